@@ -1,12 +1,15 @@
 //! Error of one input compared with another: `brdfc compare`.
 //!
-//! [`reflectances`] compares materials and packs, [`photographs`] measures packs against photographs, [`flat_btfs`]
+//! [`reflectances`] compares materials and packs, [`photographs`] measures packs against photographs, [`btf`] packs of several views against a BTF, [`flat_btfs`]
 //! compares flat BTFs; [`Kind::of`] selects one of them by the reference.
 
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
 pub use brdfc_jobs::flatten::FlatComparison;
-pub use brdfc_jobs::pwt::{PhotographComparison, PhotographErrors, compare_photographs as photographs};
+pub use brdfc_jobs::pwt::{
+    BtfComparison, PhotographComparison, PhotographErrors, ViewErrors, compare_btf as btf,
+    compare_photographs as photographs,
+};
 pub use brdfc_metrics::compare::Comparison;
 pub use brdfc_pwt::measure::StackErrors;
 
@@ -14,7 +17,9 @@ use crate::{DirectionPair, Error, Input, Material};
 use brdfc_jobs::flatten::compare_flat;
 use brdfc_jobs::pwt::open_flat_material;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
+use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::flat_btf_file;
+use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::rti_capture::is_rti_capture;
 
 const SEED: u64 = 2007;
@@ -26,6 +31,8 @@ pub enum Kind {
     RtiCapture,
     /// A flat BTF, compared by [`flat_btfs`].
     FlatBtf,
+    /// An ordinary BTF, compared by [`btf`].
+    Btf,
     /// A material or a pack, compared by [`reflectances`].
     Reflectance,
 }
@@ -39,6 +46,7 @@ impl Kind {
         Ok(match reference.path() {
             Some(path) if is_rti_capture(path) => Self::RtiCapture,
             Some(path) if flat_btf_file(path)?.is_some() => Self::FlatBtf,
+            Some(path) if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) => Self::Btf,
             _ => Self::Reflectance,
         })
     }

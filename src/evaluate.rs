@@ -7,10 +7,9 @@ pub use brdfc_jobs::pwt::Relightable;
 pub use brdfc_metrics::values::values_at;
 pub use brdfc_readers::scan_csv::{TexelQuery, delimiter, texels_from_bytes};
 
-use crate::{DirectionPair, Error, Input, Material};
+use crate::{DirectionPair, Error, Input, Material, Reading, open_with};
 use brdfc_core::words::format_number;
 use brdfc_readers::scan_csv::directions_from_bytes;
-use brdfc_source::open::open;
 
 /// Checks a level of detail before the pack is known.
 ///
@@ -31,9 +30,11 @@ fn wrong_level(found: f32, allowed: &str) -> Error {
 ///
 /// # Errors
 /// Returns the errors of [`crate::open`], and one for a level that the pack does not have or an input that is not a pack.
-pub fn open_level(input: impl Into<Input>, level: Option<f32>) -> Result<Material, Error> {
+pub fn open_level(input: impl Into<Input>, reading: impl Into<Reading>) -> Result<Material, Error> {
+    let reading = reading.into();
+    let level = reading.level;
     check_level(level)?;
-    let material = Material::new(open(input, level)?);
+    let material = open_with(input, reading)?;
     match (level, material.facts().levels()) {
         (Some(level), Some(0)) if level > 0.0 => Err(Error::usage("lod: the pack has one level; omit the option")),
         (Some(level), Some(levels)) if level > levels as f32 => {

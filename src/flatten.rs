@@ -2,7 +2,7 @@
 //!
 //! [`Surface::open`] reads the input of [`run`]; [`open_asset`] reads its output.
 
-pub use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance};
+pub use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance, ReliefForm, VdimRecipe};
 pub use brdfc_flat_btf::factored::FactoredTarget;
 pub use brdfc_flat_btf::fill::FillMethod;
 pub use brdfc_flat_btf::probes::ColourErrors;

@@ -18,6 +18,7 @@ pub use brdfc_source::pack::open_pack;
 pub use brdfc_source::ptm::{self, PtmFacts, open_ptm};
 pub use brdfc_source::rti::{self, RtiFacts, open_rti};
 pub use brdfc_source::rti_capture::{self, RtiCapture, RtiCaptureFacts, is_rti_capture};
+pub use brdfc_source::scan::is_scan;
 
 use crate::{Error, FormatError, Input, InputError};
 use brdfc_jobs::pack_files::pack_files;

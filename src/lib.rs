@@ -65,6 +65,6 @@ pub use brdfc_jobs::scene::run::{Made, Outcome, Outcomes};
 pub use brdfc_jobs::{Error, ErrorKind};
 pub use brdfc_metrics::fraction::Fraction;
 pub use brdfc_source::open::Facts;
-pub use brdfc_source::{Input, InputError};
-pub use material::{Material, PackRequest, open};
+pub use brdfc_source::{Input, InputError, Reading};
+pub use material::{Material, PackRequest, open, open_with};
 pub use pack::{Errors, Pack};

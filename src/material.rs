@@ -5,6 +5,7 @@ use crate::{
     TableRecipe, WaveletRecipe,
 };
 use brdfc_jobs::encode::encode;
+use brdfc_source::Reading;
 use brdfc_source::open::{Opened, open as open_input};
 
 /// An opened material: a measurement, an analytic model, or a pack.
@@ -19,7 +20,15 @@ pub struct Material {
 /// Returns an error if a file cannot be read ([`ErrorKind::Io`](crate::ErrorKind::Io)), or does not follow its layout, is of an
 /// unknown kind, or has an invalid address ([`ErrorKind::Input`](crate::ErrorKind::Input)).
 pub fn open(input: impl Into<Input>) -> Result<Material, Error> {
-    Ok(Material::new(open_input(input, None)?))
+    open_with(input, Reading::default())
+}
+
+/// Same as [`open`], with a number of neighbours of fits to a scan, or a level of detail of a pack. Other inputs ignore them.
+///
+/// # Errors
+/// Returns the errors of [`open`], and one for more neighbours than the scan has distinct direction pairs.
+pub fn open_with(input: impl Into<Input>, reading: impl Into<Reading>) -> Result<Material, Error> {
+    Ok(Material::new(open_input(input, reading)?))
 }
 
 /// Request for a pack: a [`Budget`], [`EncodeOptions`], or a complete recipe.

@@ -5,12 +5,13 @@
 
 pub use brdfc_formats::pwt::LightCoordinates;
 pub use brdfc_jobs::pwt::{
-    LevelReport, LightInput, Missed, PwtMade, PwtReport, SurfaceReport, WebExport, WebReport, albedo_png,
-    any_above_white, make, make_map, make_surface, make_web, make_web_of_map, normals_png, recipe_of_map,
+    HeldOut, HeldOutViews, HoldOut, LevelReport, LightInput, Missed, PwtMade, PwtReport, SurfaceReport, ViewChoice,
+    WebExport, WebReport, albedo_png, any_above_white, make, make_map, make_surface, make_web, make_web_of_map,
+    normals_png, recipe_of_map,
 };
 pub use brdfc_pwt::measure::StackErrors;
 pub use brdfc_pwt::normals::SurfaceMaps;
 pub use brdfc_pwt::ptm::MapModel;
-pub use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, PwtTextureFacts, Target, Wavelet};
+pub use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, PwtTextureFacts, Target, Views, Wavelet};
 pub use brdfc_readers::ptm::Ptm;
 pub use brdfc_source::ptm::EXTENSION as PTM;

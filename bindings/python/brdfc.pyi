@@ -110,7 +110,7 @@ class Material:
 
 @final
 class Relightable:
-    """A polynomial wavelet tree (one view under any light) or a flat BTF (any view under any light)."""
+    """A polynomial wavelet tree (one view, or all views of a BTF, under any light) or a flat BTF (any view)."""
 
     def eval(
         self, uv: ArrayLike, wi: ArrayLike, wo: Union[ArrayLike, None] = None, lod: Union[float, None] = None
@@ -118,7 +118,7 @@ class Relightable:
         """Returns linear RGB at positions, 1 is white: float32 of shape (..., 3).
 
         uv, of shape (..., 2), is 0 to 1, across and down, and may exceed this range. wi (to the light) and wo (to the
-        viewer, only for flat BTFs) are unit vectors as in `Material.eval`, of shape (..., 3); shapes are broadcast by the
+        viewer, only if there are several views) are unit vectors as in `Material.eval`, of shape (..., 3); shapes are broadcast by the
         rules of NumPy. lod is the level of detail: 0, the coarsest, to `levels`, the finest (default: the finest).
 
         Raises ValueError for other shapes, vectors of other lengths, levels out of range, and a missing wo.

@@ -1,6 +1,7 @@
 //! `brdfc convert`: writes a source in a file format of other programs.
 
 use super::output::{json_or, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
+use super::reading::ReadingOptions;
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
@@ -39,6 +40,8 @@ pub struct Arguments {
     /// 12x24x48). Polar angles range from 0 to 85 degrees. Isotropic materials have 1 incoming azimuth, others 8.
     #[arg(long, value_name = "IxOxA", allow_hyphen_values = true)]
     grid: Option<String>,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.
@@ -67,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         if is_map { error.with_message(text) } else { error }
     })?;
     let (kind, target) = target(arguments)?;
-    let material = brdfc::open(&arguments.input)?;
+    let material = arguments.reading.open(&arguments.input)?;
     let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
         ConvertError::Format(error) => match [("grid", &arguments.grid), ("dimensions", &arguments.dimensions)] {

@@ -4,6 +4,7 @@ use super::encode_lobes;
 use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::{Materials, label};
+use super::reading::ReadingOptions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codecs, remarks};
@@ -41,6 +42,8 @@ pub struct Arguments {
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) options: PackOptions,
+    #[command(flatten)]
+    pub(super) reading: ReadingOptions,
 }
 
 /// Report of `--json`.
@@ -72,7 +75,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
     let named = |error: Error| by_flags(error).prefixed(&arguments.input);
-    let material = brdfc::open(&arguments.input).map_err(|error| of_folder(&arguments.input, error))?;
+    let material = arguments.reading.open(&arguments.input).map_err(|error| of_folder(&arguments.input, error))?;
     let pack = material.encode_closest(request, &clock).map_err(named)?;
     clock.stage(Stage::Write, 1)?;
     pack.write(&arguments.output)?;

@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
-    let material = brdfc::open(&arguments.input)?;
+    let material = arguments.reading.open(&arguments.input)?;
     let encoded = encode(material.source(), &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let best = encoded.best();

@@ -2,6 +2,7 @@
 
 use super::inputs::refuse_stdin_twice;
 use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
+use super::reading::ReadingOptions;
 use super::{Common, Error};
 use brdfc::Input;
 use brdfc::evaluate::{Relightable, check_level, delimiter, open_level, pairs_from_csv, texels_from_bytes, values_at};
@@ -37,6 +38,8 @@ pub struct Arguments {
     /// Level of detail of a pack, from 0 (coarsest) to the number of levels of the pack (default: the finest).
     #[arg(long, value_name = "L")]
     lod: Option<f32>,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// Output columns of reflectance.
@@ -46,6 +49,7 @@ const COLOURS: [&str; 3] = ["r", "g", "b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     check_level(arguments.lod).map_err(as_flag)?;
+    let reading = arguments.reading.reading(arguments.lod, &[&arguments.input])?;
     let directions = &arguments.directions;
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {
@@ -57,7 +61,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         return texels(arguments, &relightable, &bytes);
     }
     // First the input: its kind decides about the columns.
-    let material = open_level(&arguments.input, arguments.lod).map_err(as_flag)?;
+    let material = open_level(&arguments.input, reading).map_err(as_flag)?;
     let pairs = pairs_from_csv(directions, &bytes)?;
     note_directions(common, &arguments.input, material.source());
     let (values, repairs) = values_at(material.source(), &pairs);

@@ -16,6 +16,7 @@ mod options;
 mod plan;
 mod progress;
 mod pwt;
+mod reading;
 #[cfg(feature = "render")]
 mod render;
 mod report;

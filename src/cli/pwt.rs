@@ -6,8 +6,8 @@ use super::output::{json_or, note, output_parser, print, print_report, refuse_fl
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
-    DomainName, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
-    PwtTextureFacts, StackErrors, Target, Wavelet, any_above_white, make, make_map, recipe_of_map,
+    DomainName, HoldOut, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
+    PwtTextureFacts, StackErrors, Target, ViewChoice, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
 use brdfc_terminal::usage::share;
@@ -20,11 +20,12 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Encode photographs of one view under known lights as a pack that can be relit from any direction, a polynomial
-/// wavelet tree.
+/// Encode photographs of one view, or all views of a BTF, under known lights as a pack that can be relit from any
+/// direction, a polynomial wavelet tree.
 ///
-/// INPUT is a folder of photographs with a list of lights (.lp), the list itself, one view of a BTF (a folder of images
-/// or a .btf file) or of a flat BTF, or a file of an RTI viewer (.ptm, .rti). By default, cross-validation at held-out
+/// INPUT is a folder of photographs with a list of lights (.lp), the list itself, a BTF (a folder of images or a .btf
+/// file) or a flat BTF, or a file of an RTI viewer (.ptm, .rti). --view selects a view of a BTF; --view all stores every
+/// view with the same terms of the light, and shaders blend the three views around the direction to the viewer. By default, cross-validation at held-out
 /// lights selects the terms of the light, which are polynomials or learned from the photographs, their number, smoothness
 /// and scale, and each term gets the resolution that it needs. If the output is a .ptm, the program fits a polynomial
 /// texture map instead, for viewers that do not read packs. --normals, --albedo and --web write images for other programs,
@@ -40,7 +41,8 @@ Examples:
   brdfc pwt old.rti -o old.ktx2
   brdfc pwt icon --normals normals.png --albedo albedo.png
   brdfc pwt icon -o icon.ktx2 --web icon-web
-  brdfc pwt button -o button-view.ktx2 --view 12")]
+  brdfc pwt button -o button-view.ktx2 --view 12
+  brdfc pwt button -o button.ktx2 --view all --max-bytes 4MiB --hold-out-views 4")]
 pub struct Arguments {
     /// Photographs and lights, a BTF, a .ptm, a .rti or a pack.
     input: Input,
@@ -71,9 +73,9 @@ pub struct Arguments {
     /// Maximum loss of PSNR at held-out lights from dropping terms and details, 0 to 100 dB (default: 0.3).
     #[arg(long, value_name = "DB", group = "target")]
     loss: Option<f64>,
-    /// View of a BTF, 0 to the number of views - 1 (default: 0).
-    #[arg(long, value_name = "V", value_parser = any_whole_number::<usize>("0 to the number of views - 1"))]
-    view: Option<usize>,
+    /// View of a BTF, 0 to the number of views - 1, or all (default: 0).
+    #[arg(long, visible_alias = "views", value_name = "V|all", value_parser = view_choice)]
+    view: Option<ViewChoice>,
     /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]
     tile: bool,
@@ -113,8 +115,17 @@ pub struct Arguments {
         value_parser = any_whole_number::<usize>("0 to the number of lights - 1"),
     )]
     hold_out: usize,
-    /// Seed of the permutation that selects the held-out lights, 0 or more (default: 0).
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "hold_out")]
+    /// Number of views to hold out of a pack of all views, 0 to the number of views - 2 (default: 0). The report includes
+    /// the errors at held-out views, which are blended from the others, at fitted and at held-out lights.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        value_parser = any_whole_number::<usize>("0 to the number of views - 2"),
+    )]
+    hold_out_views: usize,
+    /// Seed of the permutations that select the held-out lights and views, 0 or more (default: 0).
+    #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Layout of a .ptm (default: rgb).
     #[arg(long, value_parser = one_of(&MODELS))]
@@ -128,6 +139,14 @@ const MODELS: [(&str, MapModel, &str); 2] = [
     ("rgb", MapModel::Rgb, "One polynomial per channel"),
     ("lrgb", MapModel::Lrgb, "One polynomial, multiplied by a colour"),
 ];
+
+/// Parses a view of a BTF.
+fn view_choice(text: &str) -> Result<ViewChoice, String> {
+    match text {
+        "all" => Ok(ViewChoice::All),
+        _ => text.parse().map(ViewChoice::One).map_err(|_| "expected 0 to the number of views - 1, or all".to_owned()),
+    }
+}
 
 /// Parses one of several values by its name.
 fn names<T: Copy + Send + Sync + 'static>(
@@ -245,7 +264,10 @@ fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error
     let web = arguments.images.web.is_some();
     let hold_out = arguments.hold_out != 0 && (arguments.output.is_some() || !web);
     refuse_flags(found, &[(hold_out, "--hold-out", "packs and images for web viewers")])?;
+    let all = arguments.view == Some(ViewChoice::All);
     let given = [
+        (all, "--view all"),
+        (arguments.hold_out_views != 0, "--hold-out-views"),
         (arguments.quality.is_some(), "--quality"),
         (arguments.max_delta_e.is_some(), "--max-delta-e"),
         (arguments.max_bytes.is_some(), "--max-bytes"),
@@ -265,6 +287,23 @@ fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error
     refuse_flags(found, &given.map(|(given, flag)| (given, flag, "packs")))
 }
 
+impl Arguments {
+    /// Rejects outputs of one view for all views, and a seed or held-out views without what they apply to.
+    fn check_hold_out(&self) -> Result<(), Error> {
+        let images = self.images.normals.is_some() || self.images.albedo.is_some() || self.images.web.is_some();
+        if self.view == Some(ViewChoice::All) && images {
+            return Err(Error::usage("--view all is not allowed together with --normals, --albedo or --web"));
+        }
+        if self.view != Some(ViewChoice::All) && self.hold_out_views > 0 {
+            return Err(Error::usage("--hold-out-views needs --view all"));
+        }
+        if self.seed > 0 && self.hold_out == 0 && self.hold_out_views == 0 {
+            return Err(Error::usage("--seed needs --hold-out or --hold-out-views"));
+        }
+        Ok(())
+    }
+}
+
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = recipe(arguments)?;
     let output = arguments.output.as_deref();
@@ -279,6 +318,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         None if arguments.images.web.is_none() => refuse_flags_of_packs(arguments, "normals and albedo")?,
         None => refuse_flags_of_packs(arguments, "normals, albedo and images for web viewers")?,
     }
+    arguments.check_hold_out()?;
     arguments.images.check(output, inputs)?;
     refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "an output .ptm")])?;
     let start = Instant::now();
@@ -325,13 +365,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
         return write_map(output, &map, (model, errors), images, notes, seconds);
     }
-    let [width, height] = samples.size;
+    let [width, height] = samples.view_size();
     if samples.repeats && recipe.depth.is_none() && (width % 2 == 1 || height % 2 == 1) {
         notes.add(format!("a tile of {width} x {height} pixels has no levels, because its sides are not both even"));
     }
     let recipe = basis.map_or(recipe, |basis| recipe_of_map(recipe, basis));
-    let made = make(&samples, &recipe, arguments.hold_out, arguments.seed)
-        .map_err(|error| of_input(&arguments.input, error))?;
+    let hold_out = HoldOut { lights: arguments.hold_out, views: arguments.hold_out_views, seed: arguments.seed };
+    let made = make(&samples, &recipe, hold_out).map_err(|error| of_input(&arguments.input, error))?;
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
     write_file(output, &bytes)?;
@@ -352,9 +392,12 @@ fn of_input(input: &Input, error: Error) -> Error {
 }
 
 fn missed(recipe: &PwtRecipe, report: &PwtReport, why: &Missed) -> String {
-    let held_out = report.held_out.as_ref().filter(|_| *why == Missed::HeldOut);
-    let (psnr, delta_e) = held_out.map_or((report.psnr, report.delta_e), |held| (held.psnr, held.delta_e));
-    let at = if held_out.is_some() { " at held-out lights" } else { "" };
+    let fitted = (report.psnr, report.delta_e, "");
+    let (psnr, delta_e, at) = match (why, &report.held_out, &report.held_out_views) {
+        (Missed::HeldOut, Some(held), _) => (held.psnr, held.delta_e, " at held-out lights"),
+        (Missed::HeldOutViews, _, Some(held)) => (held.psnr, held.delta_e, " at held-out views"),
+        _ => fitted,
+    };
     if let Missed::Nothing(nothing) = why {
         return format!("photographs: {nothing}");
     }
@@ -445,5 +488,17 @@ fn summary(report: &PwtReport, seconds: Seconds) -> String {
     ];
     let header = ["lights", "GPU", "file", "fetches", "dB", "ΔE", "dB held out", "ΔE held out", "seconds"];
     text.push_str(&table::plain(&header, &[row]));
+    if let Some(held) = &report.held_out_views {
+        let row = vec![
+            held.views.len().to_string(),
+            format!("{:.2}", held.psnr),
+            format!("{:.2}", held.delta_e),
+            decimals(held.psnr_at_held_out_lights),
+            decimals(held.delta_e_at_held_out_lights),
+        ];
+        let header = ["views held out", "dB", "ΔE", "dB, lights held out too", "ΔE, lights held out too"];
+        text.push('\n');
+        text.push_str(&table::plain(&header, &[row]));
+    }
     text
 }

@@ -7,9 +7,11 @@ use brdfc_gpu::verify::{Material, views};
 use brdfc_gpu::{AdapterDescription, Decoding, Gpu, GpuError, Renderer, SliceFilter};
 use brdfc_jobs::encode::EncodeError;
 use brdfc_jobs::report::render::Verification;
-use brdfc_metrics::image::{ImageDifference, compare_images};
+use brdfc_metrics::image::{ImageDifference, LinearImage, compare_images};
 use brdfc_render::scene::Frame;
 use brdfc_render::scenes::Builtin;
+use brdfc_render::shade::{SourceReflectance, shade_by_vertex};
+use brdfc_render::trace::trace;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use schemars::JsonSchema;
@@ -46,6 +48,18 @@ pub struct ImageRow {
     pub adapter: Option<AdapterDescription>,
 }
 
+/// Renderings of the material on the cloth (figure 8 of the paper).
+pub struct Drawn {
+    /// By the shader, from the pack.
+    pub pack: LinearImage,
+    /// Light of each pixel, from the source.
+    pub pixels: LinearImage,
+    /// Light of each vertex, from the source, interpolated across triangles.
+    pub vertices: LinearImage,
+    /// Factor from radiance to the display's range.
+    pub exposure: f64,
+}
+
 impl ImageRow {
     /// Returns true if the shader is as good as the paper's velvet.
     pub fn passes(&self) -> bool {
@@ -73,7 +87,7 @@ pub enum StudyError {
 ///
 /// # Errors
 /// Returns an error that the driver reports.
-pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<ImageRow, StudyError> {
+pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<(ImageRow, Drawn), StudyError> {
     let by_energy = Recipe { measure_off_grid: false, ..Recipe::default() };
     let recipe = Recipe { measure_off_grid: false, ..Recipe::visible() };
     let whole = Recipe { target: Target::Ratio(1.0), bits: 16, ..recipe.clone() };
@@ -98,7 +112,8 @@ pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<Im
     let image = renderer.draw(&renderer.load(&scene, &[&pack], decoding)?, &scene.camera, frame)?;
     let energy = compare_images(&image, views.reference(), v.exposure);
     let both = |d: &ImageDifference| [d.delta_e.mean, d.delta_e.standard_deviation];
-    Ok(ImageRow {
+    let by_vertex = shade_by_vertex(&scene, frame, &trace(&scene, frame), &[&SourceReflectance(source)]);
+    let row = ImageRow {
         material: material.to_owned(),
         shader: both(total),
         shader_by_energy: both(&energy),
@@ -108,5 +123,7 @@ pub fn on_the_cloth(gpu: &Gpu, material: &str, source: &dyn Source) -> Result<Im
         psnr: total.psnr,
         exposure: v.exposure,
         adapter: Some(v.adapter.clone()),
-    })
+    };
+    let pixels = views.reference().clone();
+    Ok((row, Drawn { pack: views.shader, pixels, vertices: by_vertex, exposure: v.exposure }))
 }

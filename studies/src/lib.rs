@@ -21,6 +21,7 @@ mod rates;
 pub mod rays;
 pub mod relief;
 pub mod relighting;
+pub mod stress;
 #[cfg(feature = "render")]
 pub mod throughput;
 mod timing;
@@ -65,8 +66,12 @@ pub enum Study {
     Pareto,
     /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.
     LevelOfDetail,
-    /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits.
+    /// Section 6.3, figure 9: colour differences on a cloth, shader against source, 4:1 and 8 bits. With --out figure 8 (b):
+    /// the pack, and its source lit at each pixel and at each vertex.
     Images,
+    /// Numerical stability: every stage at the ends of its range, its worst error, the bound, and the error of a deliberately
+    /// broken stage. Takes a minute.
+    Stress,
     /// Time of a frame under point lights, and in an environment by lobes and by forward shading.
     FrameTime,
     /// Section 5 of Bagher et al. 2012: samples and time for the same PSNR, and for the same FLIP, under an environment, on
@@ -118,6 +123,8 @@ pub enum StudyResult {
     Btf(btf::BtfStudy),
     /// Rays per second.
     Rays(rays::RayStudy),
+    /// Errors and bounds of every stage.
+    Stress(stress::StressStudy),
     /// Run time and error.
     Pareto(pareto::ParetoStudy),
     /// Evaluations per second.

@@ -3,7 +3,7 @@
 
 use brdfc_core::address::AddressError;
 use brdfc_flat_btf::encode::{
-    EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode,
+    EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource, encode,
 };
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
@@ -108,6 +108,7 @@ pub fn measured_btf_study(
     let row = |from, values, reflectance| {
         let recipe = FlattenRecipe {
             texels: texels as u32,
+            relief: ReliefForm::Layers,
             flat_texels: texels,
             views: set.clone(),
             lights: set.clone(),
@@ -139,7 +140,7 @@ pub fn measured_btf_study(
 
 /// PSNR and mean ΔE of a flat BTF over all images.
 fn errors(images: &Rendered<'_>, decoder: &FlatBtfDecoder, done: &(dyn Fn() + Sync)) -> Result<[f64; 2], FormatError> {
-    let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+    let directions = SampledDirections::of(decoder.parts())?;
     let single = |v: Vector| v.map(|c| c as f32);
     let of_view = |(seen, view): (&ViewImage, &Vector)| {
         let place = |k: usize| (k as f32 + 0.5) / seen.size as f32;

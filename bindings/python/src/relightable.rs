@@ -9,7 +9,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-/// A polynomial wavelet tree (one view under any light) or a flat BTF (any view under any light).
+/// A polynomial wavelet tree (one view, or all views of a BTF, under any light) or a flat BTF (any view under any light).
 #[pyclass(frozen, module = "brdfc")]
 pub struct Relightable {
     inner: brdfc_jobs::pwt::Relightable,
@@ -27,7 +27,7 @@ impl Relightable {
     /// Returns linear RGB at positions, 1 is white: float32 of shape (..., 3).
     ///
     /// uv, of shape (..., 2), is 0 to 1, across and down, and may exceed this range. wi (to the light) and wo (to the viewer, only
-    /// for flat BTFs) are unit vectors as in `Material.eval`, of shape (..., 3); shapes are broadcast by the rules of NumPy. lod is
+    /// if there are several views) are unit vectors as in `Material.eval`, of shape (..., 3); shapes are broadcast by the rules of NumPy. lod is
     /// the level of detail: 0, the coarsest, to `levels`, the finest (default: the finest).
     ///
     /// Raises ValueError for other shapes, vectors of other lengths, levels out of range, and a missing wo.
@@ -44,8 +44,8 @@ impl Relightable {
         let wo = match (wo, self.has_views()) {
             (Some(wo), true) => Some(Argument::new("wo", wo, 3)?),
             (None, false) => None,
-            (None, true) => return Err(problem("wo", "missing; a flat BTF needs directions to the viewer")),
-            (Some(_), false) => return Err(problem("wo", "a polynomial wavelet tree has only one view; omit wo")),
+            (None, true) => return Err(problem("wo", "missing; several views need directions to the viewer")),
+            (Some(_), false) => return Err(problem("wo", "this polynomial wavelet tree has only one view; omit wo")),
         };
         let all: Vec<&Argument<'_>> = [&uv, &wi].into_iter().chain(&wo).collect();
         let shape = Argument::common_shape(&all)?;
@@ -71,7 +71,10 @@ impl Relightable {
     /// Kind of the pack: pwt or flat-btf.
     #[getter]
     fn kind(&self) -> &'static str {
-        if self.has_views() { "flat-btf" } else { "pwt" }
+        match self.inner {
+            brdfc_jobs::pwt::Relightable::Flat(_) => "flat-btf",
+            brdfc_jobs::pwt::Relightable::Pack(_) => "pwt",
+        }
     }
 
     /// True if values depend on the view, so that `eval` needs wo.

@@ -26,7 +26,7 @@ float levelAt(float distance) {
     return pwt_mipmap_level(dFdx(surfaceUv), dFdy(surfaceUv));
 }
 vec3 reflected(vec3 wi, vec3 wo, float level) {
-    return pwt_value(vec2(surfaceUv.x, gl_FrontFacing ? 1.0 - surfaceUv.y : surfaceUv.y), level, wi) * 0.318309886;
+    return pwt_value(vec2(surfaceUv.x, gl_FrontFacing ? 1.0 - surfaceUv.y : surfaceUv.y), level, wo, wi) * 0.318309886;
 }
 `,
 };

@@ -1,5 +1,5 @@
-//! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares, with what
-//! `formats/src/flat_btf/factored/factored.wgsl` adds.
+//! Flat BTFs on the device: the bind group that `formats/src/flat_btf/decoder.wgsl` declares, with what `vdim.wgsl` and
+//! `factored/factored.wgsl` add.
 
 use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNIFORM, VOLUME};
 use super::device::{Gpu, GpuError};
@@ -8,18 +8,19 @@ use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use wgpu::{BindGroup, Limits, ShaderStages};
 
 /// Names of the textures in messages.
-const PARTS: [(&str, &str); 4] = [
+const PARTS: [(&str, &str); 5] = [
     ("flat_btf_heights", "layers"),
     ("flat_btf_displacements", "layers"),
+    ("flat_btf_vdim", "indirection map"),
     ("factored_weights", "weights"),
     ("factored_basis", "basis"),
 ];
-/// The residual of shadows has the most layers, one per light.
-const RESIDUAL: &str = "factored_residual";
+/// Images with a layer per light, which may be more than an adapter takes.
+const OF_LIGHTS: [&str; 2] = ["factored_residual", "flat_btf_shadows"];
 
 /// Layout of group 1.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
-    let relief = (15..).zip([UNIFORM, IMAGE, LAYERS, SAMPLER]);
+    let relief = (15..).zip([UNIFORM, IMAGE, LAYERS, SAMPLER, IMAGE, IMAGE, LAYERS]);
     let factored = (22..).zip([VOLUME, UNIFORM, LAYERS, LAYERS, INTEGERS, SAMPLER, INTEGERS]);
     Slots::new(gpu, "flat BTF", stages, [(FRAME_SLOT, UNIFORM)].into_iter().chain(relief).chain(factored))
 }
@@ -52,7 +53,7 @@ fn fits(bindings: &Bindings<'_>, limits: &Limits) -> Result<(), GpuError> {
             return Err(GpuError::TooLarge(text));
         }
         let most = limits.max_texture_array_layers;
-        if name == RESIDUAL && layers > most {
+        if OF_LIGHTS.contains(&name) && layers > most {
             let text = format!("found {layers} lights, expected at most {most} on this adapter");
             return Err(GpuError::TooLarge(text + "; make the flat BTF with fewer lights"));
         }

@@ -21,13 +21,14 @@ fn shade(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4<f
     let v = normalize(view.eye.xyz - in.position);
     let n = normalize(in.normal);
     let frame = turned_frame(select(-n, n, front), in.tangent, v);
+    let wo = vec3<f32>(dot(v, frame[0]), dot(v, frame[1]), dot(v, frame[2]));
     var radiance = vec3<f32>(0.0);
     for (var k = 0u; k < view.light_count; k += 1u) {
         let to_light = lights[k].position.xyz - in.position;
         let distance_squared = dot(to_light, to_light);
         let l = to_light / sqrt(distance_squared);
         let wi = vec3<f32>(dot(l, frame[0]), dot(l, frame[1]), dot(l, frame[2]));
-        radiance += pwt_value(uv, level, wi) * lights[k].intensity.rgb / (PI * distance_squared);
+        radiance += pwt_value(uv, level, wo, wi) * lights[k].intensity.rgb / (PI * distance_squared);
     }
     return vec4<f32>(radiance, 1.0);
 }

@@ -1,17 +1,17 @@
 //! Polynomial wavelet trees on the device: the bindings of `formats/src/pwt/pwt.wgsl`.
 
-use super::bindings::{LAYERS, SAMPLER, Slots, UNIFORM};
+use super::bindings::{INTEGERS, LAYERS, SAMPLER, Slots, UNIFORM};
 use super::device::{Gpu, GpuError};
 use brdfc_formats::bindings::{FRAME_SLOT, FrameBlock};
-use brdfc_formats::pwt::{MAX_TEXTURES, PwtPack};
+use brdfc_formats::pwt::PwtPack;
+use brdfc_formats::pwt::shader::TEXTURE_SLOTS;
 use wgpu::{BindGroup, ShaderStages};
 
-/// Layout of group 1. The sampler follows the last texture; the light map has a sampler of its own.
+/// Layout of group 1.
 pub fn slots(gpu: &Gpu, stages: ShaderStages) -> Slots {
-    let types = [UNIFORM].into_iter().chain([LAYERS; MAX_TEXTURES]).chain([SAMPLER]);
-    let map = [(43, LAYERS), (44, SAMPLER)];
-    let types = [(FRAME_SLOT, UNIFORM)].into_iter().chain((9..).zip(types)).chain(map);
-    Slots::new(gpu, "polynomial wavelet tree", stages, types)
+    let textures = TEXTURE_SLOTS.map(|slot| (slot, LAYERS));
+    let others = [(FRAME_SLOT, UNIFORM), (9, UNIFORM), (14, SAMPLER), (28, INTEGERS), (43, LAYERS), (44, SAMPLER)];
+    Slots::new(gpu, "polynomial wavelet tree", stages, textures.into_iter().chain(others))
 }
 
 /// Uploads a pack with all of its mipmap levels. Missing textures are one empty texel.

@@ -5,7 +5,8 @@ use brdfc_readers::btf_stack::{ImageAngles, image_name};
 use brdfc_readers::colour::encode_srgb_byte;
 use brdfc_render::rendering::{Panel, rgb_png};
 use exr::prelude::{
-    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage, f16,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
+    SpecificChannels, Vec2, WritableImage, f16,
 };
 use std::io::{Cursor, Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -81,15 +82,37 @@ pub(crate) fn write_pixels(
     write_atomic(path, &bytes)
 }
 
+/// Losslessly compressed scan lines.
+const ENCODING: Encoding =
+    Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+
+/// Writes an EXR file of 32-bit floats with named channels atomically, and creates missing folders. Pixels are row by row.
+pub(crate) fn write_channels<const N: usize>(
+    path: &Path,
+    names: [&str; N],
+    pixels: &[[f32; N]],
+    size: [usize; 2],
+) -> std::io::Result<()> {
+    let channel = |(k, name): (usize, &str)| {
+        AnyChannel::new(name, FlatSamples::F32(pixels.iter().map(|pixel| pixel[k]).collect()))
+    };
+    let channels = AnyChannels::sort(names.into_iter().enumerate().map(channel).collect());
+    let layer = Layer::new((size[0], size[1]), LayerAttributes::default(), ENCODING, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).map_err(Error::other)?;
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent)?;
+    }
+    write_atomic(path, &bytes.into_inner())
+}
+
 fn to_exr(pixels: &[[f32; 3]], width: usize, height: usize) -> Result<Vec<u8>, exr::error::Error> {
     let limit = f16::MAX.to_f32();
     let pixel = |at: Vec2<usize>| {
         let [r, g, b] = pixels[at.y() * width + at.x()].map(|value| f16::from_f32(value.clamp(-limit, limit)));
         (r, g, b)
     };
-    let encoding =
-        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = Layer::new((width, height), LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
+    let layer = Layer::new((width, height), LayerAttributes::default(), ENCODING, SpecificChannels::rgb(pixel));
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes)?;
     Ok(bytes.into_inner())

@@ -4,6 +4,7 @@
 struct PwtQuery {
     place: vec4<f32>, // uv and level
     light: vec4<f32>,
+    seen: vec4<f32>, // unit vector to the viewer, and the view of the sum
 }
 
 struct PwtAnswer {
@@ -23,9 +24,10 @@ fn compute(at: u32) {
     let level = queries[at].place.z;
     let light = queries[at].light.xyz;
     var weights = pwt_weights(light);
-    let sum = pwt_sum(uv, level, &weights);
+    let view = u32(queries[at].seen.w);
+    let sum = pwt_sum(uv, level, view, &weights);
     let counted = fetches();
-    let value = pwt_value(uv, level, light);
+    let value = pwt_value(uv, level, queries[at].seen.xyz, light);
     answers[at] = PwtAnswer(vec4<f32>(sum, counted), vec4<f32>(value, 0.0));
 }
 

@@ -11,10 +11,10 @@ use wgpu::ShaderStages;
 /// The compute entry point over the decoder.
 pub const EVALUATE_PWT_WGSL: &str = concat!(include_str!("evaluate_pwt.wgsl"), include_str!("items.wgsl"));
 
-/// Maximum number of queries at once: 32 bytes each, within the limits of every adapter.
-const MAX_QUERIES: usize = 1 << 21;
+/// Maximum number of queries at once: 48 bytes each, within the limits of every adapter.
+const MAX_QUERIES: usize = 1 << 20;
 
-/// Place and light at which a tree is evaluated.
+/// Place, view and light at which a tree is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PwtQuery {
     /// 0 to 1 across the image and down from its top.
@@ -23,6 +23,10 @@ pub struct PwtQuery {
     pub level: f32,
     /// Unit vector to the light.
     pub light: [f32; 3],
+    /// Unit vector to the viewer.
+    pub outgoing: [f32; 3],
+    /// View of the sum.
+    pub view: u32,
 }
 
 /// Result of the shader for a query.
@@ -82,7 +86,7 @@ impl<'g> PwtEvaluator<'g> {
     pub fn eval(&self, loaded: &LoadedPwt, queries: &[PwtQuery]) -> Result<Vec<PwtAnswer>, GpuError> {
         let mut all = Vec::with_capacity(queries.len());
         for chunk in queries.chunks(MAX_QUERIES) {
-            let words: Vec<[f32; 8]> = chunk.iter().map(query_words).collect();
+            let words: Vec<[f32; 12]> = chunk.iter().map(query_words).collect();
             let items = self.pipeline.load(&words, chunk.len(), 32, [0; 2])?;
             let answers: Vec<[f32; 8]> = self.pipeline.answers(&items, &loaded.group)?;
             all.extend(answers.into_iter().map(|w| PwtAnswer {
@@ -95,7 +99,7 @@ impl<'g> PwtEvaluator<'g> {
     }
 }
 
-fn query_words(query: &PwtQuery) -> [f32; 8] {
-    let ([u, v], [x, y, z]) = (query.uv, query.light);
-    [u, v, query.level, 0.0, x, y, z, 0.0]
+fn query_words(query: &PwtQuery) -> [f32; 12] {
+    let ([u, v], [x, y, z], [ox, oy, oz]) = (query.uv, query.light, query.outgoing);
+    [u, v, query.level, 0.0, x, y, z, 0.0, ox, oy, oz, query.view as f32]
 }

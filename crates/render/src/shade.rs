@@ -3,7 +3,7 @@
 use super::sample_means::sample_means;
 use super::scene::{Frame, PointLight, Scene, Surface};
 use super::shading_point::ShadingPoint;
-use super::trace::Hits;
+use super::trace::{Hit, Hits};
 use super::vector::{add_scaled, subtract};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, Vector, dot};
@@ -47,6 +47,27 @@ pub fn shade(scene: &Scene, frame: Frame, hits: &Hits, materials: &[&dyn Reflect
         let part = hit.part as usize;
         let point = ShadingPoint::new(&scene.parts[part], hit, scene.camera.eye);
         Some(reflected(scene, &scene.parts[part].surface, &point, materials[part]))
+    })
+}
+
+/// Shades as [`shade`] does, but computes light only at the vertices and interpolates it across triangles (Gouraud 1971), as
+/// hardware without pixel shaders did.
+///
+/// # Panics
+/// If there are fewer materials than parts, or if the hits belong to another frame.
+pub fn shade_by_vertex(scene: &Scene, frame: Frame, hits: &Hits, materials: &[&dyn Reflectance]) -> LinearImage {
+    let samples = frame.samples_per_pixel();
+    assert_eq!(hits.0.len(), frame.width * frame.height * samples, "hits of this frame");
+    assert!(materials.len() >= scene.parts.len(), "one material for each part");
+    sample_means(scene, frame, |pixel, sample| {
+        let hit = hits.0[pixel * samples + sample].as_ref()?;
+        let part = &scene.parts[hit.part as usize];
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|barycentric| {
+            let point = ShadingPoint::new(part, &Hit { barycentric, ..*hit }, scene.camera.eye);
+            reflected(scene, &part.surface, &point, materials[hit.part as usize])
+        });
+        let [u, v] = hit.barycentric.map(f64::from);
+        Some([0, 1, 2].map(|k| (1.0 - u - v) * corners[0][k] + u * corners[1][k] + v * corners[2][k]))
     })
 }
 
@@ -145,6 +166,31 @@ mod tests {
 
     fn image(scene: &Scene, material: &dyn Reflectance) -> LinearImage {
         shade(scene, FRAME, &trace(scene, FRAME), &[material])
+    }
+
+    #[test]
+    fn light_of_vertices_is_interpolated() {
+        let (scene, lambert) = (lit(), Lambert([0.5; 3]));
+        let hits = trace(&scene, FRAME);
+        let vertex = shade_by_vertex(&scene, FRAME, &hits, &[&lambert]);
+        let at_corner = |x: f64, y: f64| {
+            let to_light = [0.5 - x, 1.0 - y, 2.0];
+            let squared = dot(to_light, to_light);
+            [3.0, 2.0, 1.0].map(|intensity| 0.5 / PI * intensity * 2.0 / (squared * squared.sqrt()))
+        };
+        let [a, b, c, d] = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]].map(|[x, y]| at_corner(x, y));
+        let expected = |pixel: usize| {
+            let [x, y] = [0, 1].map(|k| 0.25 * (on_plane(pixel)[k] + 2.0));
+            // Triangles below and above the diagonal.
+            if y <= x {
+                [0, 1, 2].map(|k| (1.0 - x) * a[k] + (x - y) * b[k] + y * c[k])
+            } else {
+                [0, 1, 2].map(|k| (1.0 - y) * a[k] + x * c[k] + (y - x) * d[k])
+            }
+        };
+        assert!(largest_error(&vertex, expected) < 1e-5);
+        // Light of pixels has its maximum below the light.
+        assert!(largest_error(&shade(&scene, FRAME, &hits, &[&lambert]), expected) > 0.05);
     }
 
     fn largest_error(image: &LinearImage, expected: impl Fn(usize) -> Vector) -> f64 {

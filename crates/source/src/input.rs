@@ -146,14 +146,28 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
     Ok(bytes)
 }
 
+/// Settings of reading an input.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Reading {
+    /// Level of detail of packs; `None` is the finest. Other inputs have none.
+    pub level: Option<f32>,
+    /// Number of neighbours of a fit to a scan; `None` chooses it by left-out rows. Other inputs have none.
+    pub neighbours: Option<usize>,
+}
+
+impl From<Option<f32>> for Reading {
+    fn from(level: Option<f32>) -> Self {
+        Self { level, neighbours: None }
+    }
+}
+
 /// An open input, not read yet or in memory.
 pub(crate) struct InputFile<'a> {
     pub(crate) path: &'a Path,
     pub(crate) file: Contents<'a>,
     /// Length in bytes.
     pub(crate) length: u64,
-    /// Requested level of detail.
-    pub(crate) level: Option<f32>,
+    pub(crate) reading: Reading,
 }
 
 impl<'a> InputFile<'a> {
@@ -164,7 +178,7 @@ impl<'a> InputFile<'a> {
             Input::Stdin(stdin) => {
                 let (path, bytes) = (input.named_path(), stdin.bytes()?);
                 let file = Contents::Memory(Cursor::new(bytes));
-                Ok(Self { path, file, length: bytes.len() as u64, level: None })
+                Ok(Self { path, file, length: bytes.len() as u64, reading: Reading::default() })
             }
             Input::Address(address) => Err(no_file(address)),
         }
@@ -173,7 +187,7 @@ impl<'a> InputFile<'a> {
     /// Opens a file.
     pub(crate) fn at(path: &'a Path, listener: &'a mut dyn ReadListener) -> Result<Self, InputError> {
         let (file, length) = open_observed(path, listener)?;
-        Ok(Self { path, file: Contents::File(file), length, level: None })
+        Ok(Self { path, file: Contents::File(file), length, reading: Reading::default() })
     }
 
     /// Reads and parses the whole file.

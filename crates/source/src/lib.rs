@@ -30,7 +30,7 @@ pub mod ubo_btf;
 pub mod viewer_file;
 
 pub use error::InputError;
-pub use input::{Input, StandardInput};
+pub use input::{Input, Reading, StandardInput};
 pub use merl::MerlSource;
 pub use rgl::RglSource;
 pub use scan::ScanSource;

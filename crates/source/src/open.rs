@@ -4,7 +4,7 @@ pub use super::format::Format;
 pub use brdfc_core::Describe;
 
 use super::error::InputError;
-use super::input::{Input, InputFile};
+use super::input::{Input, InputFile, Reading};
 use super::merl::{self, MerlFacts};
 use super::read::{ReadListener, extension_of, found_extension, unknown_kind};
 use super::rgl::{self, RglFacts};
@@ -96,12 +96,12 @@ pub fn files_but_for(extension: &str) -> String {
     one_of(&others.map(|format| format!(".{} ({})", format.extension(), format.name)).collect::<Vec<_>>())
 }
 
-/// Opens `input`. `level` is the level of detail of packs; other inputs have none.
+/// Opens `input`. A level of detail alone is a [`Reading`], too.
 ///
 /// # Errors
 /// Returns an error for files that cannot be read or violate their layout, unknown kinds, and invalid addresses.
-pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, InputError> {
-    let input = input.into();
+pub fn open(input: impl Into<Input>, reading: impl Into<Reading>) -> Result<Opened, InputError> {
+    let (input, reading) = (input.into(), reading.into());
     match &input {
         Input::Address(name) => {
             let model = address::parse_model(name.strip_prefix(address::SYNTH_PREFIX).unwrap_or(name))
@@ -109,10 +109,10 @@ pub fn open(input: impl Into<Input>, level: Option<f32>) -> Result<Opened, Input
             let facts = SynthFacts { address: address::canonical(model.as_ref()) };
             Ok(Opened { source: model, facts: facts.into() })
         }
-        Input::File(path) => open_file(path, level),
+        Input::File(path) => open_file(path, reading),
         Input::Stdin(_) => {
             let mut listener = ();
-            let input_file = InputFile { level, ..InputFile::of(&input, &mut listener)? };
+            let input_file = InputFile { reading, ..InputFile::of(&input, &mut listener)? };
             match format_of(&input.extension()?) {
                 Some(format) => (format.open)(input_file),
                 None => {
@@ -138,8 +138,8 @@ fn format_of(extension: &str) -> Option<&'static Format<Facts>> {
 ///
 /// # Errors
 /// Returns an error for files that cannot be read or violate their layout, and for unknown kinds.
-pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> {
-    open_file_observed(path, level, &mut ())
+pub fn open_file(path: &Path, reading: impl Into<Reading>) -> Result<Opened, InputError> {
+    open_file_observed(path, reading, &mut ())
 }
 
 /// Same as [`open_file`], with an observer of the bytes.
@@ -148,13 +148,13 @@ pub fn open_file(path: &Path, level: Option<f32>) -> Result<Opened, InputError> 
 /// Returns an error for files that cannot be read or violate their layout, and for unknown kinds.
 pub fn open_file_observed(
     path: &Path,
-    level: Option<f32>,
+    reading: impl Into<Reading>,
     listener: &mut dyn ReadListener,
 ) -> Result<Opened, InputError> {
     if path.is_dir() && is_rti_capture(path) {
         return Err(InputError::format(path, without_brdf("an RTI capture")));
     }
-    let input_file = InputFile { level, ..InputFile::at(path, listener)? };
+    let input_file = InputFile { reading: reading.into(), ..InputFile::at(path, listener)? };
     let extension = extension_of(path);
     match extension.as_str() {
         rti_capture::EXTENSION => return Err(input_file.wrong(without_brdf("an RTI capture"))),

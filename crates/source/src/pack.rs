@@ -14,7 +14,7 @@ pub(crate) const fn format<F: From<PackFacts>>() -> Format<F> {
 }
 
 fn open<F: From<PackFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let level = input.level;
+    let level = input.reading.level;
     input.parse(|bytes| Ok(opened(&brdf_pack(Pack::from_bytes(bytes)?)?, level)))
 }
 

@@ -1,6 +1,7 @@
 //! Uniform block with per-frame values, shared by all decoders.
 
 use crate::cursor::block_bytes;
+use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 
 /// Slot of the block.
@@ -9,11 +10,17 @@ pub const FRAME_SLOT: u32 = 0;
 /// Declaration of the block, at the start of every decoder.
 pub const FRAME_WGSL: &str = include_str!("frame.wgsl");
 
-/// Concatenates several decoders into one source, with the shared declaration only once.
+/// Concatenates several decoders into one source, with shared declarations only once: the frame block, and the mesh of directions of
+/// flat BTFs and trees, which one bind group holds for one of them.
 pub fn combined_wgsl<'a>(decoders: impl IntoIterator<Item = &'a str>) -> String {
     let mut source = FRAME_WGSL.to_owned();
     for decoder in decoders {
-        source += decoder.strip_prefix(FRAME_WGSL).unwrap_or(decoder);
+        let own = decoder.strip_prefix(FRAME_WGSL).unwrap_or(decoder);
+        if source.contains(DIRECTION_MESH_WGSL) {
+            source += &own.replace(DIRECTION_MESH_WGSL, "");
+        } else {
+            source += own;
+        }
         source.push('\n');
     }
     source

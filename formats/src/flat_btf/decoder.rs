@@ -1,20 +1,13 @@
 //! CPU decoder, the reference for shaders: f32 operations in a fixed order without fused operations.
 
 use super::directions::SampledDirections;
-use super::factored::{FactoredFlatBtf, FactoredTexel};
-use super::layers::LayerMap;
+use super::factored::{FactoredTexel, Place};
+use super::layers::Sheet;
 use super::march::{MacroSurface, MarchSteps, ReliefPoint, slope};
-use super::view_weights::BlendedDirection;
+use super::relief::{FlatBtfParts, Relief};
+use super::vdim::VdimSamples;
+use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::tap::wrap;
-
-/// Parts of one asset that a decoder reads.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FlatBtfParts {
-    /// Heights of the relief and its parameters.
-    pub layers: LayerMap,
-    /// Reflectance of the surface over its parameters.
-    pub reflectance: FactoredFlatBtf,
-}
 
 /// A flat BTF, ready for random access.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,13 +17,13 @@ pub struct FlatBtfDecoder {
 }
 
 impl FlatBtfDecoder {
-    /// Creates a decoder with [`MarchSteps::of`] the relief.
+    /// Creates a decoder, with [`MarchSteps::of`] layers.
     pub fn new(parts: FlatBtfParts) -> Self {
-        let steps = MarchSteps::of(parts.layers.header());
+        let steps = parts.relief.layers().map_or(MarchSteps::NONE, |layers| MarchSteps::of(layers.header()));
         Self { parts, steps }
     }
 
-    /// Replaces the steps of rays.
+    /// Replaces the steps of rays. Without layers there are none.
     #[must_use]
     pub fn with_steps(self, steps: MarchSteps) -> Self {
         Self { steps, ..self }
@@ -53,39 +46,68 @@ impl FlatBtfDecoder {
 
     /// Octaves by which texels of the relief are smaller than texels of the flat BTF.
     pub fn finer(&self) -> f32 {
-        let (plane, flat) = (self.parts.layers.header().size, self.parts.reflectance.header().size);
+        let (plane, flat) = (self.parts.relief.size(), self.parts.reflectance.header().size);
         (f64::from(plane) / f64::from(flat)).log2() as f32
     }
 
-    /// The point of the surface that a distant eye sees behind a point of the reference plane. `uv` is in tiles and
-    /// unbounded; `view` is a unit vector to the viewer. `level_of_detail` refers to the texels of the flat BTF, 0 the
-    /// finest.
-    pub fn seen(&self, uv: [f32; 2], view: [f32; 3], level_of_detail: f32) -> ReliefPoint {
-        self.parts.layers.seen(uv, view, MacroSurface::PLANE, level_of_detail + self.finer(), self.steps)
+    /// The point of the surface that a distant eye sees behind a point of the reference plane, and its parameters, in
+    /// [0, 1). `uv` is in tiles and unbounded; `view` is a unit vector to the viewer. `level_of_detail` refers to the texels
+    /// of the flat BTF, 0 the finest.
+    pub fn seen(&self, uv: [f32; 2], view: [f32; 3], level_of_detail: f32) -> (ReliefPoint, [f32; 2]) {
+        self.seen_on(uv, view, level_of_detail, MacroSurface::PLANE)
     }
 
-    /// Parameters, in [0, 1), of a point of the surface: equation 3 of Hadim et al. 2009 without sampled views.
-    pub fn parameters(&self, point: &ReliefPoint, level_of_detail: f32) -> [f32; 2] {
-        self.parts.layers.parameters(point.at, point.sheet, level_of_detail + self.finer()).map(wrap)
+    /// Equations 2 and 3 of Hadim et al. 2009, or a ray of sight through the layers in their place.
+    fn seen_on(
+        &self,
+        uv: [f32; 2],
+        view: [f32; 3],
+        level_of_detail: f32,
+        surface: MacroSurface,
+    ) -> (ReliefPoint, [f32; 2]) {
+        let detail = level_of_detail + self.finer();
+        let (point, parameters) = match &self.parts.relief {
+            Relief::Layers(layers) => {
+                let point = layers.seen(uv, view, surface, detail, self.steps);
+                (point, layers.parameters(point.at, point.sheet, detail))
+            }
+            Relief::Vdim(map, _) => {
+                let (parameters, rise) = map.seen(uv, surface.aligned(view), detail);
+                (ReliefPoint { at: uv, height: 0.0, sheet: Sheet::Base, rise, steps: 0 }, parameters)
+            }
+        };
+        (point, parameters.map(wrap))
     }
 
     /// The point of the relief that a view sees behind a point of a surface: `flat_btf_look` of the shader. `uv` is in
-    /// tiles and unbounded, `view` a unit vector in the local frame of the point.
+    /// tiles and unbounded, `view` a unit vector in the local frame of the point. An indirection map is drawn on the tangent
+    /// plane of the point.
     pub fn look(&self, uv: [f32; 2], level_of_detail: f32, view: [f32; 3], surface: MacroSurface) -> FlatBtfLook<'_> {
-        let FlatBtfParts { layers, reflectance } = &self.parts;
-        let detail = level_of_detail + self.finer();
-        let point = layers.seen(uv, view, surface, detail, self.steps);
+        let FlatBtfParts { relief, reflectance } = &self.parts;
+        let (point, parameters) = self.seen_on(uv, view, level_of_detail, surface);
         let moved = surface.distance_over_tiles([point.at[0] - uv[0], point.at[1] - uv[1]]);
         let tilt = surface.tilt(moved);
-        let mut texel =
-            reflectance.filtered(layers.parameters(point.at, point.sheet, detail).map(wrap), level_of_detail);
+        let mut texel = reflectance.filtered(parameters, level_of_detail);
         texel.set_normal(surface.stretched(texel.base().normal));
+        let shadows = relief.shadows().map(|map| Place::new(parameters, level_of_detail, map.size(), map.levels()));
         let (slope, view) = (slope(view), tilted(view, tilt));
-        FlatBtfLook { decoder: self, surface, detail, point, moved, slope, tilt, view, texel }
+        FlatBtfLook {
+            decoder: self,
+            surface,
+            detail: level_of_detail + self.finer(),
+            point,
+            parameters,
+            moved,
+            slope,
+            tilt,
+            view,
+            texel,
+            shadows,
+        }
     }
 
     /// Equation 1, `BTF = FBTF(VDIM)`, on the reference plane: radiance divided by that of a white diffuser that faces
-    /// the light, in linear RGB, 0 or more. A ray of sight replaces the view-dependent indirection map.
+    /// the light, in linear RGB, 0 or more. Through layers, a ray of sight replaces the view-dependent indirection map.
     ///
     /// # Panics
     /// Panics if samples refer to views or lights that do not exist.
@@ -100,7 +122,7 @@ impl FlatBtfDecoder {
     }
 
     /// [`FlatBtfDecoder::value`] for any view and light, unit vectors: `flat_btf_value` of the shader. `directions` are
-    /// those of the reflectance: [`SampledDirections::of`].
+    /// those of the asset: [`SampledDirections::of`].
     pub fn shaded(
         &self,
         directions: Option<&SampledDirections>,
@@ -121,6 +143,8 @@ pub struct FlatBtfLook<'a> {
     /// Level of the layers.
     detail: f32,
     point: ReliefPoint,
+    /// Parameters of `point`.
+    parameters: [f32; 2],
     /// Distance of `point` along the surface from the point that is drawn, in sides of a tile.
     moved: [f32; 2],
     /// Tangent of the view's polar angle where it is drawn.
@@ -130,6 +154,8 @@ pub struct FlatBtfLook<'a> {
     /// The view in the frame below `point`.
     view: [f32; 3],
     texel: FactoredTexel<'a>,
+    /// In sampled shadows, if there are any.
+    shadows: Option<Place>,
 }
 
 impl FlatBtfLook<'_> {
@@ -149,6 +175,16 @@ impl FlatBtfLook<'_> {
         self.texel.base().normal
     }
 
+    /// Parameters of the visible point, in [0, 1).
+    pub fn parameters(&self) -> [f32; 2] {
+        self.parameters
+    }
+
+    /// Reflectance at the visible point.
+    pub fn texel(&self) -> &FactoredTexel<'_> {
+        &self.texel
+    }
+
     /// The visible point.
     pub fn point(&self) -> ReliefPoint {
         self.point
@@ -162,7 +198,7 @@ impl FlatBtfLook<'_> {
     }
 
     /// Value under a light, a unit vector in the local frame of the point that is drawn: `flat_btf_shade` of the
-    /// shader. `directions` are those of the reflectance: [`SampledDirections::of`].
+    /// shader. `directions` are those of the asset: [`SampledDirections::of`].
     ///
     /// A light that is lower than all sampled ones has the value of the nearest sampled direction, times the ratio of
     /// cosines, so that a surface goes dark towards the horizon of its light without a step.
@@ -175,36 +211,63 @@ impl FlatBtfLook<'_> {
         let [views, lights] = SampledDirections::blended(directions, aligned[0], aligned[1]);
         let views = BlendedDirection { direction: self.view, ..views };
         let lights = BlendedDirection { direction: light, ..lights };
-        let dimmed = directions.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
+        // Without components, the base is exact for any light.
+        let components = directions.filter(|_| self.decoder.parts.reflectance.header().groups > 0);
+        let dimmed = components.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
         self.value(views, lights).map(|value| value * dimmed)
     }
 
-    /// Filtered fetches of the layers: those of the ray of sight and the parameters, and those of the ray of light. Without
-    /// components.
+    /// Share, 0 to 1, of a light above the normal that reaches the visible point. `light` is in the frame below the point;
+    /// `lights` are sampled ones that approximate it, for sampled shadows.
+    fn lit(&self, light: [f32; 3], lights: ViewWeights) -> f32 {
+        match (&self.decoder.parts.relief, &self.shadows) {
+            (Relief::Layers(layers), _) => {
+                layers.lit(&self.point, self.normal(), light, self.surface, self.detail, self.decoder.steps)
+            }
+            (Relief::Vdim(_, Some(shadows)), Some(place)) => shadows.lit(place, lights),
+            (Relief::Vdim(..), _) => 1.0,
+        }
+    }
+
+    /// Share, 0 to 1, of a light above the normal that reaches the visible point, before the reflectance. `light` is a unit
+    /// vector in the local frame of the point that is drawn; `directions` are those of the asset.
+    pub fn reached(&self, directions: Option<&SampledDirections>, light: [f32; 3]) -> f32 {
+        let light = tilted(light, self.tilt);
+        let [_, lights] = SampledDirections::blended(directions, self.view, self.surface.aligned(light));
+        self.lit(light, lights.samples)
+    }
+
+    /// Filtered fetches of the relief: those of the parameters, and those of the shadow. Without components.
     #[doc(hidden)]
     pub fn fetches(&self, light: [f32; 3]) -> [u32; 2] {
-        let (layers, steps) = (&self.decoder.parts.layers, self.decoder.steps);
-        let refined = if self.passes() { 0 } else { steps.refine };
         let (normal, light) = (self.normal(), tilted(light, self.tilt));
         let unlit = self.passes()
             || light[2] <= 0.0
             || normal[0] * light[0] + normal[1] * light[1] + normal[2] * light[2] <= 0.0;
-        let of_light =
-            if unlit { 0 } else { layers.lit_counted(&self.point, normal, light, self.surface, self.detail, steps).1 };
-        [1 + self.point.steps + refined + 1, of_light]
+        let steps = self.decoder.steps;
+        match &self.decoder.parts.relief {
+            Relief::Layers(layers) => {
+                let refined = if self.passes() { 0 } else { steps.refine };
+                let march = || layers.lit_counted(&self.point, normal, light, self.surface, self.detail, steps).1;
+                [1 + self.point.steps + refined + 1, if unlit { 0 } else { march() }]
+            }
+            Relief::Vdim(map, shadows) => {
+                let of_map = match map.samples() {
+                    VdimSamples::Halves(_) => 2,
+                    // With two of ranges, and one of the height.
+                    VdimSamples::Compact(_) => 5,
+                };
+                [of_map, if unlit || shadows.is_none() { 0 } else { 3 }]
+            }
+        }
     }
 
     /// Value of directions in the frame below the point.
     fn value(&self, view: BlendedDirection, light: BlendedDirection) -> [f32; 3] {
-        let layers = &self.decoder.parts.layers;
         let value = self.texel.blended(view, light);
-        let (normal, to) = (self.texel.base().normal, light.direction);
+        let (normal, to) = (self.normal(), light.direction);
         let is_turned_away = normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2] <= 0.0;
-        let lit = if value == [0.0; 3] || is_turned_away {
-            0.0
-        } else {
-            layers.lit(&self.point, normal, to, self.surface, self.detail, self.decoder.steps)
-        };
+        let lit = if value == [0.0; 3] || is_turned_away { 0.0 } else { self.lit(to, light.samples) };
         self.texel.shadowed(value, light.samples, lit)
     }
 }

@@ -18,27 +18,31 @@
 // With the sampler a ray of sight takes its steps + 1 + refine_steps fetches, a ray of light its steps + 1. Rays take fewer
 // steps where they cross fewer texels. Manual filtering takes 4 or 8 fetches instead of one.
 
-// Same fields and order as `FlatBtfParameters` of `brdfc-formats`. 48 bytes.
+// Same fields and order as `FlatBtfParameters` of `brdfc-formats`. 64 bytes.
 struct FlatBtfParameters {
-    size: u32,          // M: the layers have M x M texels
-    sheets: u32,        // 1: the base; 3: base, top, underside
-    levels: u32,        // mipmap levels of the layers
+    size: u32,          // M: the reference plane has M x M texels
+    sheets: u32,        // of layers, 1: the base; 3: base, top, underside; 0: an indirection map, see vdim.wgsl
+    levels: u32,        // mipmap levels of the layers, or levels of the map
     sight_steps: u32,   // maximum steps of a ray of sight: an application may change the three numbers of steps
     refine_steps: u32,
     both_steps: u32,    // maximum steps of a ray of sight and a ray of light together
-    low: f32,           // lowest height, in tiles
+    low: f32,           // lowest height of the texture, in tiles
     range: f32,         // highest less lowest height
-    finer: f32,         // octaves by which texels of the layers are smaller than texels of the flat BTF
-    reserved_0: u32,
-    reserved_1: u32,
-    reserved_2: u32,
+    finer: f32,         // octaves by which texels of the plane are smaller than texels of the flat BTF
+    polar_angles: u32,  // Z and R of an indirection map, 0 with layers
+    azimuth_rows: u32,
+    largest_angle: f32, // polar angle, radians
+    lights: u32,        // lights with sampled shadows
+    block: u32,         // texels per side of a block of compact samples; 0 for others
+    largest_tangent: f32, // of the polar angle, for compact samples
+    reserved: u32,
 }
 
 @group(1) @binding(15) var<uniform> flat_btf_parameters: FlatBtfParameters;
-// Heights of the sheets, 0 to 1: base, top, underside. With mipmaps.
+// Heights of the sheets, 0 to 1: base, top, underside. With mipmaps. Or heights for compact samples, over the parameters.
 @group(1) @binding(16) var flat_btf_heights: texture_2d<f32>;
 // A layer per sheet: parameters less the position of the texel, in tiles. With mipmaps; level k has as many texels as
-// level k + 1 of the heights.
+// level k + 1 of the heights. Or bounds of compact samples: minima in layer 0, extents in layer 1.
 @group(1) @binding(17) var flat_btf_displacements: texture_2d_array<f32>;
 // Linear filter within and between mipmap levels; repeat.
 @group(1) @binding(18) var flat_btf_sampler: sampler;

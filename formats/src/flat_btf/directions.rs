@@ -1,7 +1,7 @@
 //! The part `directions`: meshes that interpolate sampled views and lights, in the form that shaders read.
 
-use super::factored::FactoredFlatBtf;
 use super::layout::{self, check_format, wrong_extent};
+use super::relief::FlatBtfParts;
 use super::view_weights::{BlendedDirection, ViewWeights};
 use crate::FormatError;
 use crate::container::{Extent, TexelFormat, Texture};
@@ -43,13 +43,18 @@ impl SampledDirections {
         Ok(Self { views: mesh("views", views)?, lights: mesh("lights", lights)?, lowest_light })
     }
 
-    /// Meshes of an asset; `None` if it has no components.
+    /// Meshes of an asset; `None` if it has neither components nor sampled shadows. With shadows alone, the mesh of the views
+    /// is that of the lights.
     ///
     /// # Errors
     /// Returns an error if directions cannot be interpolated, as [`DirectionMesh::new`].
-    pub fn of(asset: &FactoredFlatBtf) -> Result<Option<Self>, FormatError> {
-        let header = asset.header();
-        (header.groups > 0).then(|| Self::new(&header.views, &header.lights)).transpose()
+    pub fn of(asset: &FlatBtfParts) -> Result<Option<Self>, FormatError> {
+        let header = asset.reflectance.header();
+        match asset.relief.shadows() {
+            _ if header.groups > 0 => Self::new(&header.views, &header.lights).map(Some),
+            Some(shadows) => Self::new(shadows.lights(), shadows.lights()).map(Some),
+            None => Ok(None),
+        }
     }
 
     /// Sampled directions that approximate a view and a light; without meshes, none.

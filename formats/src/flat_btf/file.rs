@@ -1,10 +1,13 @@
 //! File of a flat BTF: shader bindings, and headers of the images.
 
-use super::decoder::{FlatBtfDecoder, FlatBtfParts};
+use super::decoder::FlatBtfDecoder;
 use super::directions::SampledDirections;
 use super::factored::{BasisMap, FactoredFlatBtf, ResidualMap, WeightMap};
-use super::layers::LayerMap;
-use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, RESIDUAL, TABLES};
+use super::layers::{LAYERS, LayerMap};
+use super::relief::{FlatBtfParts, Relief};
+use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, INDIRECTION, REFERENCE, RESIDUAL, SHADOWS, TABLES};
+use super::shadows::ShadowMap;
+use super::vdim::{VDIM, Vdim};
 use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
 
@@ -16,7 +19,7 @@ const REPORT: &str = "brdfc.flat-btf.report";
 pub struct FlatBtfFile {
     /// Decoder with the parts of the asset.
     pub decoder: FlatBtfDecoder,
-    /// Meshes that interpolate sampled views and lights; `None` without components.
+    /// Meshes that interpolate sampled views and lights; `None` without components and sampled shadows.
     pub directions: Option<SampledDirections>,
     /// Report of the encoder, as JSON text; empty if there is none.
     pub report: String,
@@ -26,17 +29,24 @@ impl FlatBtfFile {
     /// Creates a file without a report.
     ///
     /// # Errors
-    /// Returns an error if views or lights cannot be interpolated.
+    /// Returns an error if views or lights cannot be interpolated, or if sampled shadows do not match the reflectance.
     pub fn new(decoder: FlatBtfDecoder) -> Result<Self, FormatError> {
-        let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+        check_shadows(decoder.parts())?;
+        let directions = SampledDirections::of(decoder.parts())?;
         Ok(Self { decoder, directions, report: String::new() })
     }
 
     /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let FlatBtfParts { layers, reflectance } = self.decoder.parts();
+        let FlatBtfParts { relief, reflectance } = self.decoder.parts();
         let mut entries = reflectance.basis().header().entries();
-        entries.extend([layers.entry(), reflectance.weights().entry()]);
+        entries.extend(match relief {
+            Relief::Layers(layers) => vec![layers.entry()],
+            Relief::Vdim(map, shadows) => {
+                map.entries().into_iter().chain(shadows.as_ref().map(ShadowMap::entry)).collect()
+            }
+        });
+        entries.extend([reflectance.weights().entry()]);
         entries.extend(reflectance.residual().map(ResidualMap::entry));
         if !self.report.is_empty() {
             entries.insert(REPORT.to_owned(), self.report.clone().into_bytes());
@@ -71,17 +81,33 @@ impl FlatBtfFile {
         let report = String::from_utf8(report)
             .map_err(|error| FormatError::whole(REPORT, format!("invalid UTF-8: {error}"), "JSON").problem())?;
         let weights = WeightMap::from_texture(file.take_own())?;
+        let form = [LAYERS, VDIM].map(|key| file.entries.contains_key(key));
         let mut image = |name: &'static str| {
             let texture = file.take_texture(name);
             move || texture.ok_or_else(|| FormatError::whole(name, "no texels", "texels of a flat BTF").problem())
         };
-        let (heights, displacements, tables) = (image(HEIGHTS)()?, image(DISPLACEMENTS)()?, image(TABLES)()?);
+        let relief = match form {
+            [_, false] => LayerMap::from_textures(image(HEIGHTS)()?, &image(DISPLACEMENTS)()?)?.into(),
+            [false, true] => {
+                let (packed, reference) = (image(INDIRECTION)()?, image(REFERENCE)()?);
+                let map =
+                    Vdim::from_textures(&packed, &reference, || Ok([image(HEIGHTS)()?, image(DISPLACEMENTS)()?]))?;
+                let lights = map.header().lights;
+                let shadows =
+                    image(SHADOWS)().ok().map(|texture| ShadowMap::from_texture(texture, lights)).transpose()?;
+                Relief::sampled(map, shadows)?
+            }
+            [true, true] => {
+                let allowed = format!("either {LAYERS} or {VDIM}");
+                return Err(FormatError::whole("relief", format!("both {LAYERS} and {VDIM}"), allowed));
+            }
+        };
+        let tables = image(TABLES)()?;
         let basis = image(BASIS)().ok();
         let residual = image(RESIDUAL)().ok().map(ResidualMap::from_texture).transpose()?;
         let stored = image(DIRECTIONS)().ok().map(|texture| SampledDirections::from_texture(&texture)).transpose()?;
-        let layers = LayerMap::from_textures(heights, &displacements)?;
         let reflectance = FactoredFlatBtf::new(BasisMap::from_textures(tables, basis.as_ref())?, weights, residual)?;
-        let made = Self::new(FlatBtfDecoder::new(FlatBtfParts { layers, reflectance }))?;
+        let made = Self::new(FlatBtfDecoder::new(FlatBtfParts { relief, reflectance }))?;
         // Triangulations may differ if more than three points are on a circle; the stored ones are used.
         let counts = |some: &SampledDirections| [some.views.directions(), some.lights.directions()];
         let [found, allowed] = [&stored, &made.directions].map(|some| some.as_ref().map(counts));
@@ -96,4 +122,20 @@ impl FlatBtfFile {
         file.check_same(&read.bindings())?;
         Ok(read)
     }
+}
+
+/// Checks that sampled shadows have the texels of the reflectance, and the lights of its components.
+fn check_shadows(FlatBtfParts { relief, reflectance }: &FlatBtfParts) -> Result<(), FormatError> {
+    let (Some(shadows), header) = (relief.shadows(), reflectance.header()) else { return Ok(()) };
+    let found = [shadows.size(), shadows.levels()];
+    if found != [header.size, header.levels] {
+        let form = |[size, levels]: [u32; 2]| format!("{levels} levels of {size} x {size}");
+        let allowed = format!("{}, as the weights have", form([header.size, header.levels]));
+        return Err(FormatError::whole("part shadows", form(found), allowed));
+    }
+    if header.groups > 0 && header.lights != shadows.lights() {
+        let (found, allowed) = ("other lights than the components have", "the same lights");
+        return Err(FormatError::whole("part shadows", found, allowed).problem());
+    }
+    Ok(())
 }

@@ -5,11 +5,12 @@ use crate::FormatError;
 use crate::container::entries::{entry, sized};
 use crate::container::{MAX_LAYERS, Texture};
 use crate::direction::from_polar;
-use std::collections::BTreeMap;
 
 const PART: &str = "flat";
-const VIEWS: &str = "brdfc.views";
-const LIGHTS: &str = "brdfc.lights";
+/// Key of the sampled views.
+pub(super) const VIEWS: &str = "brdfc.views";
+/// Key of the sampled lights.
+pub(super) const LIGHTS: &str = "brdfc.lights";
 /// Maximum number of views, and of lights.
 pub const MAX_DIRECTIONS: u32 = MAX_LAYERS;
 
@@ -67,22 +68,19 @@ pub(super) fn check_directions(views: &[[f32; 2]], lights: &[[f32; 2]]) -> Resul
     Ok(())
 }
 
-/// Keys and values of views and lights.
-pub(super) fn direction_entries(views: &[[f32; 2]], lights: &[[f32; 2]]) -> BTreeMap<String, Vec<u8>> {
-    let bytes = |directions: &[[f32; 2]]| directions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
-    BTreeMap::from([(VIEWS.to_owned(), bytes(views)), (LIGHTS.to_owned(), bytes(lights))])
+/// Key and value of views or lights.
+pub(super) fn direction_entry(key: &'static str, directions: &[[f32; 2]]) -> (String, Vec<u8>) {
+    (key.to_owned(), directions.iter().flatten().flat_map(|c| c.to_le_bytes()).collect())
 }
 
-/// Reads views and lights. Their numbers come from a header of `kind`.
+/// Reads views or lights. Their number comes from a header of `kind`.
 pub(super) fn read_directions(
     texture: &Texture,
     kind: &str,
-    [views, lights]: [u32; 2],
-) -> Result<[Vec<[f32; 2]>; 2], FormatError> {
-    let read = |key, count: u32| {
-        Ok::<_, FormatError>(floats::<2>(sized(entry(texture, key, kind)?, key, 8 * count as usize)?))
-    };
-    Ok([read(VIEWS, views)?, read(LIGHTS, lights)?])
+    key: &'static str,
+    count: u32,
+) -> Result<Vec<[f32; 2]>, FormatError> {
+    Ok(floats::<2>(sized(entry(texture, key, kind)?, key, 8 * count as usize)?))
 }
 
 /// Values of the flat BTF for one view: radiance over the radiance of a white diffuser that faces the light.

@@ -1,10 +1,10 @@
 //! The layers of a relief: the heights at which a vertical line enters and leaves the surface, and the parameters of
 //! the surface there.
 
-use super::layout::word;
+use super::layout::{check_image, half_pair_bytes, half_pairs, rounded_pairs, word};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
-use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture, half};
+use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
 use crate::tap::{footprint, periodic_tap, wrap};
 
@@ -14,8 +14,6 @@ const VERSION: u32 = 2;
 const BYTES: usize = 24;
 /// Maximum absolute height, in tiles.
 pub const MAX_HEIGHT: f32 = 64.0;
-/// Maximum absolute difference of the parameters of a point from its position, in tiles.
-pub const MAX_DISPLACEMENT: f32 = 1024.0;
 /// Step of a byte.
 const UNIT: f32 = 1.0 / 255.0;
 
@@ -116,7 +114,7 @@ impl LayerMap {
     /// # Errors
     /// Returns an error if the header is out of range, lengths do not match it, or a displacement is out of range or
     /// NaN.
-    pub fn new(header: LayerHeader, heights: Vec<u8>, mut displacements: Vec<[f32; 2]>) -> Result<Self, FormatError> {
+    pub fn new(header: LayerHeader, heights: Vec<u8>, displacements: Vec<[f32; 2]>) -> Result<Self, FormatError> {
         header.check()?;
         let of_heights =
             header.height_extent().texels_of_levels(header.levels) * header.height_format().texel_bytes() as u64;
@@ -129,12 +127,7 @@ impl LayerMap {
                 return Err(FormatError::whole(what, found.to_string(), format!("{expected}, as the header says")));
             }
         }
-        if let Some(at) = displacements.iter().position(|d| !d.iter().all(|c| c.abs() <= MAX_DISPLACEMENT)) {
-            let allowed = format!("two numbers of -{MAX_DISPLACEMENT} to {MAX_DISPLACEMENT}");
-            let field = format!("displacement {at} of layers");
-            return Err(FormatError::whole(field, format!("{:?}", displacements[at]), allowed));
-        }
-        displacements.iter_mut().for_each(|d| *d = d.map(|c| half::decode(half::encode(c))));
+        let displacements = rounded_pairs(displacements, |at| format!("displacement {at} of layers"))?;
         Ok(Self { header, heights, displacements })
     }
 
@@ -150,7 +143,7 @@ impl LayerMap {
 
     /// Texels of the displacements in GPU layout.
     pub fn displacement_bytes(&self) -> Vec<u8> {
-        self.displacements.iter().flatten().flat_map(|c| half::encode(*c).to_le_bytes()).collect()
+        half_pair_bytes(&self.displacements)
     }
 
     /// Filtered heights of the column at a point of the reference plane, in tiles. `detail` is the mipmap level, 0 the
@@ -226,23 +219,10 @@ impl LayerMap {
             heights: [cursor.f32("low")?, cursor.f32("high")?],
         };
         header.check()?;
+        check_image(&heights, "heights", (header.height_format(), header.height_extent(), header.levels), LAYERS)?;
         let of_displacements = (TexelFormat::Rg16Float, header.displacement_extent(), header.displacement_levels());
-        for (part, texture, expected) in [
-            ("heights", &heights, (header.height_format(), header.height_extent(), header.levels)),
-            ("displacements", displacements, of_displacements),
-        ] {
-            let form = |(format, extent, levels): (TexelFormat, Extent, u32)| {
-                format!("{levels} levels of {extent}, {format:?}")
-            };
-            let found = (texture.format, texture.extent, texture.levels);
-            if found != expected {
-                let (found, allowed) = (form(found), format!("{}, as {LAYERS} says", form(expected)));
-                return Err(FormatError::whole(format!("part {part}"), found, allowed));
-            }
-        }
-        let pairs = displacements.texels.as_chunks::<2>().0.as_chunks::<2>().0;
-        let numbers = pairs.iter().map(|pair| pair.map(|bytes| half::decode(u16::from_le_bytes(bytes))));
-        Self::new(header, heights.texels, numbers.collect())
+        check_image(displacements, "displacements", of_displacements, LAYERS)?;
+        Self::new(header, heights.texels, half_pairs(&displacements.texels))
     }
 }
 

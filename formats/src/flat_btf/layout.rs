@@ -1,8 +1,11 @@
 //! Checks that all parts of a flat BTF share: sizes, formats and ranges.
 
 use crate::FormatError;
-use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
+use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture, half};
 use crate::cursor::Cursor;
+
+/// Maximum absolute difference of the parameters of a point from its position, in tiles.
+pub const MAX_DISPLACEMENT: f32 = 1024.0;
 
 pub(super) fn check_format(texture: &Texture, part: &'static str, format: TexelFormat) -> Result<(), FormatError> {
     texture.check_one_level()?;
@@ -11,6 +14,22 @@ pub(super) fn check_format(texture: &Texture, part: &'static str, format: TexelF
     }
     let field = format!("texels of the part {part}");
     Err(FormatError::whole(field, format!("{:?}", texture.format), format!("{format:?}")))
+}
+
+/// Checks format, extent and number of mipmap levels of an image against the header with the key `header`.
+pub(super) fn check_image(
+    texture: &Texture,
+    part: &'static str,
+    expected: (TexelFormat, Extent, u32),
+    header: &str,
+) -> Result<(), FormatError> {
+    let found = (texture.format, texture.extent, texture.levels);
+    if found == expected {
+        return Ok(());
+    }
+    let form =
+        |(format, extent, levels): (TexelFormat, Extent, u32)| format!("{levels} levels of {extent}, {format:?}");
+    Err(FormatError::whole(format!("part {part}"), form(found), format!("{}, as {header} says", form(expected))))
 }
 
 pub(super) fn wrong_extent(part: &'static str, found: Extent, allowed: impl Into<String>) -> FormatError {
@@ -52,6 +71,30 @@ pub(super) fn word(
     let (first, last) = (range.start(), range.end());
     let allowed = if first == last { first.to_string() } else { format!("{first} to {last}") };
     Err(FormatError::whole(format!("{key} {field}"), value.to_string(), allowed))
+}
+
+/// Pairs of halves of a texture, decoded.
+pub(super) fn half_pairs(bytes: &[u8]) -> Vec<[f32; 2]> {
+    let pairs = bytes.as_chunks::<2>().0.as_chunks::<2>().0;
+    pairs.iter().map(|pair| pair.map(|bytes| half::decode(u16::from_le_bytes(bytes)))).collect()
+}
+
+/// Pairs of numbers as halves in GPU layout.
+pub(super) fn half_pair_bytes(pairs: &[[f32; 2]]) -> Vec<u8> {
+    pairs.iter().flatten().flat_map(|c| half::encode(*c).to_le_bytes()).collect()
+}
+
+/// Rounds pairs of -1024 to 1024 to halves. `field` names a pair in errors.
+pub(super) fn rounded_pairs(
+    mut pairs: Vec<[f32; 2]>,
+    field: impl Fn(usize) -> String,
+) -> Result<Vec<[f32; 2]>, FormatError> {
+    if let Some(at) = pairs.iter().position(|pair| !pair.iter().all(|c| c.abs() <= MAX_DISPLACEMENT)) {
+        let allowed = format!("two numbers of -{MAX_DISPLACEMENT} to {MAX_DISPLACEMENT}");
+        return Err(FormatError::whole(field(at), format!("{:?}", pairs[at]), allowed));
+    }
+    pairs.iter_mut().for_each(|pair| *pair = pair.map(|c| half::decode(half::encode(c))));
+    Ok(pairs)
 }
 
 /// Texels of `N` 32-bit floats.

@@ -15,6 +15,9 @@ pub struct MarchSteps {
 }
 
 impl MarchSteps {
+    /// Without layers there are no rays.
+    pub(super) const NONE: Self = Self { sight: 0, refine: 0, both: 0 };
+
     /// Steps for a relief: enough for rays of sight at 50 degrees from the normal to take steps of 1.5 texels, 6 to 19;
     /// three refinements; and twice as many for both rays, up to 30.
     pub fn of(header: &LayerHeader) -> Self {
@@ -136,7 +139,7 @@ pub struct ReliefPoint {
     /// Position over the reference plane in tiles, not wrapped.
     pub at: [f32; 2],
     /// Height in units of the header's range, 0 to 1. Below 0 if the ray passes the relief of a convex surface and
-    /// leaves it again.
+    /// leaves it again. 0 for an indirection map, which has no range.
     pub height: f32,
     /// The sheet that the ray met.
     pub sheet: Sheet,

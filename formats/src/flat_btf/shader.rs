@@ -1,8 +1,13 @@
-//! Shader side of flat BTFs: `formats/src/flat_btf/decoder.wgsl` and its uniform block.
+//! Shader side of flat BTFs: `formats/src/flat_btf/decoder.wgsl` and `vdim.wgsl`, and their uniform block.
 
 use super::directions::SampledDirections;
 use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use super::factored::{FactoredFlatBtf, RESIDUAL_FORMAT};
+use super::layers::{LayerHeader, LayerMap};
+use super::relief::Relief;
+use super::shadows::ShadowMap;
+use super::vdim::{Vdim, VdimHeader, VdimSamples};
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::bindings::{Binding, Bindings, Texels};
 use crate::container::{Extent, TexelFormat};
 use crate::cursor::block_bytes;
@@ -10,16 +15,20 @@ use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::FlatBtfDecoder;
 
 /// Name of the decoder and version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("flat-btf", 5);
+pub(super) const DECODER: (&str, u32) = ("flat-btf", 6);
 
-/// WGSL of the rays through the relief. It declares a uniform block, two textures and a sampler in bind group 1; see
-/// the file.
+/// WGSL of the rays through the layers of a relief. It declares a uniform block, two textures and a sampler in bind group 1;
+/// see the file.
 pub const FLAT_BTF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decoder.wgsl"));
 
-/// WGSL for drawing a flat BTF: [`FLAT_BTF_WGSL`], factored values, interpolation of views and lights, and
-/// `flat_btf_value`, which combines them.
+/// WGSL of indirection maps and sampled shadows.
+const VDIM_WGSL: &str = concat!(include_str!("vdim.wgsl"), arc_tangent_wgsl!("flat_btf", "FLAT_BTF"));
+
+/// WGSL for drawing a flat BTF: [`FLAT_BTF_WGSL`], indirection maps, factored values, interpolation of views and lights,
+/// and `flat_btf_value`, which combines them.
 pub fn flat_btf_value_wgsl() -> String {
-    [FLAT_BTF_WGSL, FACTORED_WGSL, DIRECTION_MESH_WGSL, include_str!("value.wgsl")].join("\n")
+    let parts = [VDIM_WGSL, FACTORED_WGSL, DIRECTION_MESH_WGSL, include_str!("value.wgsl")];
+    [FLAT_BTF_WGSL].into_iter().chain(parts).collect::<Vec<_>>().join("\n")
 }
 
 /// The uniform block `FlatBtfParameters`.
@@ -28,26 +37,38 @@ pub struct FlatBtfParameters;
 
 impl FlatBtfParameters {
     /// Size of the block, bytes.
-    pub const SIZE: usize = 48;
+    pub const SIZE: usize = 64;
 
     /// The block of an asset as the shader reads it: little-endian fields in order, padded with zeros.
     pub fn to_bytes(decoder: &FlatBtfDecoder) -> [u8; Self::SIZE] {
-        let (header, steps) = (decoder.parts().layers.header(), decoder.steps());
-        block_bytes([
-            header.size,
-            header.sheets,
-            header.levels,
-            steps.sight,
-            steps.refine,
-            steps.both,
-            header.heights[0].to_bits(),
-            header.range().to_bits(),
-            decoder.finer().to_bits(),
-        ])
+        let (steps, finer) = (decoder.steps(), decoder.finer().to_bits());
+        match &decoder.parts().relief {
+            Relief::Layers(layers) => {
+                let header = layers.header();
+                let [low, range] = [header.heights[0], header.range()].map(f32::to_bits);
+                let LayerHeader { size, sheets, levels, .. } = *header;
+                block_bytes([size, sheets, levels, steps.sight, steps.refine, steps.both, low, range, finer])
+            }
+            Relief::Vdim(map, _) => {
+                let header = map.header();
+                let VdimHeader { size, polar_angles, azimuth_rows, levels, lights, .. } = *header;
+                let [angle, tangent] = [header.largest_angle, header.largest_tangent()].map(f32::to_bits);
+                let (block, [low, high]) = match map.samples() {
+                    VdimSamples::Halves(_) => (0, [0.0; 2]),
+                    VdimSamples::Compact(samples) => (header.block, samples.range),
+                };
+                let [low, range] = [low, high - low].map(f32::to_bits);
+                let views = [polar_angles, azimuth_rows, angle, lights, block, tangent];
+                block_bytes([size, 0, levels, 0, 0, 0, low, range, finer].into_iter().chain(views))
+            }
+        }
     }
 }
 
 pub(super) const HEIGHTS: &str = "flat_btf_heights";
+pub(super) const REFERENCE: &str = "flat_btf_reference";
+pub(super) const INDIRECTION: &str = "flat_btf_vdim";
+pub(super) const SHADOWS: &str = "flat_btf_shadows";
 pub(super) const DISPLACEMENTS: &str = "flat_btf_displacements";
 const WEIGHTS: &str = "factored_weights";
 pub(super) const RESIDUAL: &str = "factored_residual";
@@ -60,30 +81,89 @@ const FACTORED_SAMPLER: &str = "factored_sampler";
 impl FlatBtfDecoder {
     /// Bindings of the shader. Without `directions`, their texture is empty.
     pub fn bindings(&self, directions: Option<&SampledDirections>) -> Bindings<'_> {
-        let layers = &self.parts().layers;
-        let header = layers.header();
-        let heights = Texels::new(header.height_format(), header.height_extent(), layers.height_bytes());
-        let displacements =
-            Texels::new(TexelFormat::Rg16Float, header.displacement_extent(), layers.displacement_bytes());
-        let first = [
-            Binding::frame(),
-            Binding::uniform(15, "flat_btf_parameters", FlatBtfParameters::to_bytes(self).to_vec()),
-            Binding::texture(16, HEIGHTS, heights.with_levels(header.levels).sampled(SAMPLER)),
-            Binding::texture(
-                17,
-                DISPLACEMENTS,
-                displacements.with_levels(header.displacement_levels()).sampled(SAMPLER),
-            ),
-            Binding::sampler(18, SAMPLER, true),
-        ];
+        let relief = match &self.parts().relief {
+            Relief::Layers(layers) => {
+                layer_bindings(layer_texels(layers)).into_iter().chain(sampled_bindings(None, None))
+            }
+            Relief::Vdim(map, shadows) => {
+                layer_bindings(compact_texels(map)).into_iter().chain(sampled_bindings(Some(map), shadows.as_ref()))
+            }
+        };
+        let first =
+            [Binding::frame(), Binding::uniform(15, "flat_btf_parameters", FlatBtfParameters::to_bytes(self).to_vec())];
         let directions = match directions {
             Some(some) => Texels::new(TexelFormat::R32Uint, Extent::D2(some.extent()), bytes(&some.texels())),
             None => Texels::empty(TexelFormat::R32Uint, Extent::D2([1; 2])),
         };
         let last = Binding::texture(28, DIRECTIONS, directions);
         let factored = factored_bindings(&self.parts().reflectance);
-        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(factored).chain([last]))
+        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(relief).chain(factored).chain([last]))
     }
+}
+
+/// Heights and displacements of layers.
+fn layer_texels(layers: &LayerMap) -> [Texels<'_>; 2] {
+    let header = layers.header();
+    let heights = Texels::new(header.height_format(), header.height_extent(), layers.height_bytes());
+    let displacements = Texels::new(TexelFormat::Rg16Float, header.displacement_extent(), layers.displacement_bytes());
+    [heights.with_levels(header.levels), displacements.with_levels(header.displacement_levels())]
+}
+
+/// Heights over the parameters and ranges of displacements of compact samples; empty for others.
+fn compact_texels(map: &Vdim) -> [Texels<'_>; 2] {
+    let header = map.header();
+    match map.samples() {
+        VdimSamples::Compact(samples) => {
+            let heights = Texels::new(TexelFormat::R8Unorm, header.reference_extent(), &samples.heights[..]);
+            let ranges = Texels::new(TexelFormat::Rg16Float, header.ranges_extent(), samples.range_bytes());
+            [heights, ranges].map(|texels| texels.with_levels(header.levels))
+        }
+        VdimSamples::Halves(_) => [
+            Texels::empty(TexelFormat::R8Unorm, Extent::D2([1; 2])),
+            Texels::empty(TexelFormat::Rg16Float, Extent::D2Array([1; 3])),
+        ],
+    }
+}
+
+/// Bindings of heights and displacements.
+fn layer_bindings([heights, displacements]: [Texels<'_>; 2]) -> [Binding<'_>; 3] {
+    [
+        Binding::texture(16, HEIGHTS, heights.sampled(SAMPLER)),
+        Binding::texture(17, DISPLACEMENTS, displacements.sampled(SAMPLER)),
+        Binding::sampler(18, SAMPLER, true),
+    ]
+}
+
+/// Bindings of an indirection map and of sampled shadows.
+fn sampled_bindings<'a>(map: Option<&'a Vdim>, shadows: Option<&'a ShadowMap>) -> [Binding<'a>; 3] {
+    let (reference, packed) = match map {
+        Some(map) => {
+            let header = map.header();
+            let reference = Texels::new(TexelFormat::Rg16Float, header.reference_extent(), map.reference_bytes());
+            let format = match map.samples() {
+                VdimSamples::Halves(_) => TexelFormat::Rgba16Float,
+                VdimSamples::Compact(_) => TexelFormat::Rg8Unorm,
+            };
+            let packed = Texels::new(format, header.packed_extent(), map.packed_bytes());
+            (reference.with_levels(header.levels), packed.with_levels(header.levels))
+        }
+        None => {
+            let empty = |format| Texels::empty(format, Extent::D2([1; 2]));
+            (empty(TexelFormat::Rg16Float), empty(TexelFormat::Rgba16Float))
+        }
+    };
+    let shadows = match shadows {
+        Some(shadows) => {
+            let extent = Extent::D2Array([shadows.size(), shadows.size(), shadows.lights().len() as u32]);
+            Texels::new(TexelFormat::R8Unorm, extent, shadows.texels()).with_levels(shadows.levels())
+        }
+        None => Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3])),
+    };
+    [
+        Binding::texture(19, REFERENCE, reference),
+        Binding::texture(20, INDIRECTION, packed.sampled(SAMPLER)),
+        Binding::texture(21, SHADOWS, shadows.sampled(SAMPLER)),
+    ]
 }
 
 /// Additional bindings for factored values.

@@ -2,7 +2,7 @@
 //
 // The CPU version is `FlatBtfLook` of the crate `brdfc-formats`.
 //
-// Usage: append this file to `decoder.wgsl`, `factored/factored.wgsl` and `direction_mesh.wgsl`, and call
+// Usage: append this file to `decoder.wgsl`, `vdim.wgsl`, `factored/factored.wgsl` and `direction_mesh.wgsl`, and call
 //
 //     let level = factored_mipmap_level(dpdx(uv), dpdy(uv)); // in a fragment shader, in uniform control flow
 //     let surface = FlatBtfSurface(curvature, height, stretch); // see flat_btf_curvature and flat_btf_stretch; on a
@@ -16,7 +16,7 @@
 // light of intensity I at the distance d adds value * I / (π d²) to the radiance: the value includes the cosine and
 // the shadow. flat_btf_value does both steps on a plane.
 //
-// A relief has its own outline if a mesh is drawn twice: moved along its normals to the highest and to the lowest point
+// A relief of layers has its own outline if a mesh is drawn twice: moved along its normals to the highest and to the lowest point
 // of the relief, by (low + range) and by low of flat_btf_parameters times the side of a tile there; of the first only the
 // front. height is then that of the pixel, the distance by which it was moved over flat_btf_tile_side, negated on back
 // faces.
@@ -40,10 +40,20 @@ struct FlatBtfLook {
 // The point of the relief that a view sees behind the point uv of a surface.
 fn flat_btf_look(uv: vec2<f32>, level_of_detail: f32, view: vec3<f32>, surface: FlatBtfSurface) -> FlatBtfLook {
     let detail = level_of_detail + flat_btf_parameters.finer;
-    let point = flat_btf_seen(uv, view, surface, detail);
+    var point = FlatBtfPoint(uv, 0.0, 0u, 0.0, 0u);
+    var parameters = vec2<f32>(0.0);
+    if flat_btf_parameters.sheets == 0u {
+        // On the tangent plane.
+        let seen = flat_btf_vdim_seen(uv, flat_btf_aligned(surface, view), detail);
+        point.rise = seen.height;
+        parameters = seen.parameters;
+    } else {
+        point = flat_btf_seen(uv, view, surface, detail);
+        parameters = flat_btf_parameters_at(point, detail);
+    }
     let moved = flat_btf_from_tiles(surface, point.at - uv);
     let tilt = flat_btf_product(surface.curvature, moved);
-    let place = factored_place(flat_btf_parameters_at(point, detail), level_of_detail);
+    let place = factored_place(parameters, level_of_detail);
     var base = factored_load(place);
     base.normal = flat_btf_stretched(surface, base.normal);
     return FlatBtfLook(
@@ -165,26 +175,47 @@ fn flat_btf_shade(look: FlatBtfLook, incoming: vec3<f32>) -> vec3<f32> {
     var value = vec3<f32>(0.0);
     var dimmed = 1.0;
     var lights = FactoredWeights(vec3<u32>(0u), vec3<f32>(0.0));
+    if factored_parameters.groups > 0u || flat_btf_parameters.lights > 0u {
+        // First row of the lights' mesh.
+        let row = textureLoad(direction_mesh_words, vec2<u32>(0u, 0u), 0).x;
+        let lit_from = direction_mesh_weights(flat_btf_aligned(look.surface, light), row);
+        lights = FactoredWeights(lit_from.indices, lit_from.weights);
+    }
     if factored_parameters.groups == 0u {
         value = factored_base_colour(look.base, look.view, light);
     } else {
-        // First row of the lights' mesh, and cosine of the largest polar angle of a sampled light.
-        let row = textureLoad(direction_mesh_words, vec2<u32>(0u, 0u), 0).x;
+        // Cosine of the largest polar angle of a sampled light.
         let lowest_light = bitcast<f32>(textureLoad(direction_mesh_words, vec2<u32>(1u, 0u), 0).x);
         let seen_from = direction_mesh_weights(flat_btf_aligned(look.surface, look.view), 1u);
-        let lit_from = direction_mesh_weights(flat_btf_aligned(look.surface, light), row);
         let views = FactoredWeights(seen_from.indices, seen_from.weights);
-        lights = FactoredWeights(lit_from.indices, lit_from.weights);
         value = factored_value(look.base, look.view, light, views, lights);
         // Lights lower than all sampled ones are dimmed by the ratio of cosines.
         dimmed = min(light.z / lowest_light, 1.0);
     }
     var lit = 0.0;
     if any(value != vec3<f32>(0.0)) && factored_dot(look.base.normal, light) > 0.0 {
-        let detail = look.level + flat_btf_parameters.finer;
-        lit = flat_btf_lit(look.point, look.base.normal, light, look.surface, detail);
+        lit = flat_btf_reached(look, light, lights);
     }
     return factored_shadowed(value, look.place, look.base, lights, lit) * dimmed;
+}
+
+// Share, 0 to 1, of a light above the normal that reaches the visible point. light is in the frame below the point.
+fn flat_btf_reached(look: FlatBtfLook, light: vec3<f32>, lights: FactoredWeights) -> f32 {
+    if flat_btf_parameters.sheets > 0u {
+        let detail = look.level + flat_btf_parameters.finer;
+        return flat_btf_lit(look.point, look.base.normal, light, look.surface, detail);
+    }
+    if flat_btf_parameters.lights == 0u {
+        return 1.0;
+    }
+    var lit = 0.0;
+    for (var l = 0u; l < 3u; l += 1u) {
+        if lights.weights[l] != 0.0 {
+            let place = look.place;
+            lit = lit + lights.weights[l] * flat_btf_shadow(place.uv, place.level, place.blend, lights.indices[l]);
+        }
+    }
+    return lit;
 }
 
 // Both steps on a plane, for a single light.

@@ -27,22 +27,33 @@ impl PwtDecoder {
         self.pack
     }
 
-    /// Linear RGB at a point of the image under a light, 0 or more; black if the light is not above the horizon.
+    /// Linear RGB at a point of the image under a light, 0 or more; black if the light is not above the horizon. Values of
+    /// up to three views are blended.
     ///
     /// `uv` is 0 to 1 across the image, down from its top. Outside, tiles repeat and other images are clamped to their
-    /// border. `level` is the mipmap level, 0 at the full resolution of the image; fractions blend two levels. `light`
-    /// is a unit vector.
-    pub fn value(&self, uv: [f32; 2], level: f32, light: [f32; 3]) -> [f32; 3] {
+    /// border. `level` is the mipmap level, 0 at the full resolution of the image; fractions blend two levels. `view` and
+    /// `light` are unit vectors; a pack of one view ignores `view`.
+    pub fn value(&self, uv: [f32; 2], level: f32, view: [f32; 3], light: [f32; 3]) -> [f32; 3] {
         if light[2] <= 0.0 {
             return [0.0; 3];
         }
-        let mut sum = self.sum(uv, level, &self.pack.header().weights(light));
-        self.pack.header().domain.decode_each(&mut sum);
-        sum
+        let header = self.pack.header();
+        let (weights, (views, shares)) = (header.weights(light), header.seen(view));
+        let mut value = [0.0; 3];
+        for (view, share) in views.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
+            let mut sum = self.sum(uv, level, view, &weights);
+            header.domain.decode_each(&mut sum);
+            (0..3).for_each(|c| value[c] += share * sum[c]);
+        }
+        value
     }
 
-    /// RGB at a point, in the domain of the pack: the sum over terms with weights from [`super::PwtHeader::weights`].
-    pub fn sum(&self, uv: [f32; 2], level: f32, weights: &Weights) -> [f32; 3] {
+    /// RGB of a view at a point, in the domain of the pack: the sum over terms with weights from
+    /// [`super::PwtHeader::weights`].
+    ///
+    /// # Panics
+    /// Panics if the view does not exist.
+    pub fn sum(&self, uv: [f32; 2], level: f32, view: u32, weights: &Weights) -> [f32; 3] {
         let header = self.pack.header();
         let mut uv = uv;
         for axis in 0..2 {
@@ -59,9 +70,9 @@ impl PwtDecoder {
             let fine = self.taps(index, finer as u32, uv);
             let coarse = (blend > 0.0).then(|| self.taps(index, finer as u32 + 1, uv));
             for (k, component) in texture.components.iter().enumerate() {
-                let mut texel = self.sample(index, k, finer as u32, fine);
+                let mut texel = self.sample(index, (k, view), finer as u32, fine);
                 if let Some(coarse) = coarse {
-                    texel += blend * (self.sample(index, k, finer as u32 + 1, coarse) - texel);
+                    texel += blend * (self.sample(index, (k, view), finer as u32 + 1, coarse) - texel);
                 }
                 let value = component.low + component.scale * texel;
                 let weight = weights.next().expect("one for each component");
@@ -80,18 +91,21 @@ impl PwtDecoder {
         4 * texels * header.components().count() as u64
     }
 
-    /// Decompresses a mipmap level of the image, 0 to [`super::PwtHeader::levels`], with all terms at its resolution,
+    /// Decompresses a mipmap level of the image of a view, 0 to [`super::PwtHeader::levels`], with all terms at its resolution,
     /// for drawing whole images. Larger levels give the coarsest. Values equal [`Self::sum`] at texel centres.
-    pub fn unpacked(&self, level: u32) -> UnpackedLevel<'_> {
+    ///
+    /// # Panics
+    /// Panics if the view does not exist.
+    pub fn unpacked(&self, view: u32, level: u32) -> UnpackedLevel<'_> {
         let height = self.pack.header().size[1].div_ceil(1 << level.min(self.pack.header().levels));
-        self.unpacked_rows(level, 0..height as usize)
+        self.unpacked_rows(view, level, 0..height as usize)
     }
 
     /// Decompresses only some rows of [`Self::unpacked`], for images that are too large to hold as a whole.
     ///
     /// # Panics
-    /// Panics if the rows are out of range.
-    pub fn unpacked_rows(&self, level: u32, rows: Range<usize>) -> UnpackedLevel<'_> {
+    /// Panics if the view or the rows do not exist.
+    pub fn unpacked_rows(&self, view: u32, level: u32, rows: Range<usize>) -> UnpackedLevel<'_> {
         let header = self.pack.header();
         let level = level.min(header.levels);
         let extent = header.extent.map(|side| side >> level);
@@ -110,7 +124,7 @@ impl PwtDecoder {
             };
             let (columns, rows) = (axis(0, 0), axis(1, first));
             for (k, component) in texture.components.iter().enumerate() {
-                let filtered = self.filtered(index, k, own, &columns, &rows);
+                let filtered = self.filtered(index, (k, view), own, &columns, &rows);
                 let values = filtered.into_iter().map(|texel| component.low + component.scale * texel).collect();
                 planes.push(values);
             }
@@ -119,11 +133,19 @@ impl PwtDecoder {
     }
 
     /// [`Self::sample`] for all rows and columns; each row of texels is filtered once.
-    fn filtered(&self, texture: usize, component: usize, level: u32, columns: &[Tap], rows: &[Tap]) -> Vec<f32> {
+    fn filtered(
+        &self,
+        texture: usize,
+        (component, view): (usize, u32),
+        level: u32,
+        columns: &[Tap],
+        rows: &[Tap],
+    ) -> Vec<f32> {
         let channels = self.pack.header().textures[texture].channels as usize;
         let (first, sides) = self.pack.level_of(texture, level);
         let [width, height] = sides.map(|side| side as usize);
-        let layer = &self.pack.texels(texture)[first..][component / channels * width * height * channels..];
+        let layer = self.layer(texture, component, view) * width * height * channels;
+        let layer = &self.pack.texels(texture)[first..][layer..];
         let along = |row: u32| -> Vec<f32> {
             let texels = layer[row as usize * width * channels..][..width * channels].iter();
             let texels: Vec<f32> =
@@ -156,11 +178,18 @@ impl PwtDecoder {
         [0, 1].map(|axis| Tap::new(uv[axis] * sides[axis] as f32, sides[axis], self.pack.header().repeats))
     }
 
+    /// Layer of a component of a view.
+    fn layer(&self, texture: usize, component: usize, view: u32) -> usize {
+        let header = self.pack.header();
+        assert!(view < header.view_count(), "view {view} of {}", header.view_count());
+        component / header.textures[texture].channels as usize * header.view_count() as usize + view as usize
+    }
+
     /// Number of the texels of a level, 0 to 1, filtered along columns first.
-    fn sample(&self, texture: usize, component: usize, level: u32, [column, row]: [Tap; 2]) -> f32 {
+    fn sample(&self, texture: usize, (component, view): (usize, u32), level: u32, [column, row]: [Tap; 2]) -> f32 {
         let channels = self.pack.header().textures[texture].channels as usize;
         let (first, [width, height]) = self.pack.level_of(texture, level);
-        let layer = component / channels * (width * height) as usize;
+        let layer = self.layer(texture, component, view) * (width * height) as usize;
         let texels = &self.pack.texels(texture)[first..];
         let at = |x: u32, y: u32| {
             let index = (layer + (y * width + x) as usize) * channels + component % channels;

@@ -12,9 +12,9 @@ pub(crate) const DESCRIPTOR: Descriptor = Descriptor {
     wgsl: || PWT_WGSL.to_owned(),
     functions: &["pwt_value", "pwt_mipmap_level"],
     answer: Answer {
-        takes: "a: uv and the level of detail; b: wi",
+        takes: "a: uv and the level of detail; b: wi; c: wo",
         gives: "linear RGB",
-        body: "vec4f(pwt_value(a.xy, a.z, b.xyz), 0.0)",
+        body: "vec4f(pwt_value(a.xy, a.z, c.xyz, b.xyz), 0.0)",
         of_struct: None,
     },
     brdf: None,

@@ -5,6 +5,7 @@ use super::domain::Domain;
 use super::light_map::{LightMap, MAP_SIDES};
 use crate::FormatError;
 use crate::cursor::Cursor;
+use crate::direction_mesh::DirectionMesh;
 use crate::error::Place;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -12,7 +13,11 @@ use std::ops::RangeInclusive;
 /// Key that identifies a polynomial wavelet tree.
 pub const PWT_ENTRY: &str = "brdfc.pwt";
 /// Maximum number of textures of a pack.
-pub const MAX_TEXTURES: usize = 4;
+pub const MAX_TEXTURES: usize = 8;
+/// Maximum number of views of a pack.
+pub const MAX_VIEWS: u32 = MAX_ARRAY_LAYERS;
+/// Maximum layers of a texture over all views: the default limit of WebGPU.
+pub const MAX_ARRAY_LAYERS: u32 = 256;
 /// Maximum texels per side of the image.
 pub const MAX_SIDE: u32 = 8192;
 /// Maximum number of components over all layers.
@@ -20,8 +25,8 @@ pub const MAX_COMPONENTS: usize = 128;
 /// Maximum number of mipmap levels below full resolution.
 pub const MAX_LEVEL: u32 = 12;
 
-const VERSION: u32 = 1;
-const FIXED_BYTES: usize = 4 * (11 + 1 + 9 + 4 + 1);
+const VERSION: u32 = 2;
+const FIXED_BYTES: usize = 4 * (11 + 1 + 9 + 4 + 1 + 1);
 
 /// Weight of each term under a light, in red, green and blue; 0 after the last one.
 pub type Weights = [[f32; 3]; MAX_TERMS];
@@ -56,11 +61,16 @@ pub struct TextureHeader {
 }
 
 impl TextureHeader {
-    /// Number of layers of the texture: `components` over `channels`.
+    /// Number of layers of each view: `components` over `channels`.
     pub fn layers(&self) -> u32 {
         self.components.len() as u32 / self.channels.max(1)
     }
 }
+
+/// Light map of a file, by its side and number of terms.
+pub(super) type MapReader<'a> = &'a mut dyn FnMut(u32, usize) -> Result<LightMap, FormatError>;
+/// Mesh of views of a file, by their number.
+pub(super) type MeshReader<'a> = &'a mut dyn FnMut(u32) -> Result<DirectionMesh, FormatError>;
 
 /// Errors measured at the finest level, at rows spread over all photographs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +91,7 @@ pub struct PwtErrors {
 /// Header of a polynomial wavelet tree.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PwtHeader {
-    /// Columns and rows of the image, each 1 to [`MAX_SIDE`].
+    /// Columns and rows of the image of each view, each 1 to [`MAX_SIDE`].
     pub size: [u32; 2],
     /// Columns and rows of texels at full resolution: the image padded to whole texels of all levels.
     pub extent: [u32; 2],
@@ -91,6 +101,8 @@ pub struct PwtHeader {
     pub levels: u32,
     /// Terms of the light.
     pub basis: LightBasis,
+    /// Directions to the viewer of two or more views; `None` for a single view of any direction.
+    pub views: Option<DirectionMesh>,
     /// Scale in which terms are summed.
     pub domain: Domain,
     /// Red, green and blue of each channel.
@@ -139,6 +151,17 @@ impl PwtHeader {
         weights
     }
 
+    /// Number of views, 1 or more.
+    pub fn view_count(&self) -> u32 {
+        self.views.as_ref().map_or(1, |views| views.directions() as u32)
+    }
+
+    /// Indices of three views and their weights for a unit vector to the viewer, as [`DirectionMesh::weights`]; the only
+    /// view for any vector.
+    pub fn seen(&self, view: [f32; 3]) -> ([u32; 3], [f32; 3]) {
+        self.views.as_ref().map_or(([0; 3], [1.0, 0.0, 0.0]), |views| views.weights(view))
+    }
+
     /// Weight of every component, in red, green and blue: that of its term, times the colour of its channel.
     pub fn component_weights<'a>(&'a self, weights: &'a Weights) -> impl Iterator<Item = [f32; 3]> + 'a {
         self.components().map(|component| {
@@ -157,8 +180,8 @@ impl PwtHeader {
         self.textures.iter().flat_map(|texture| &texture.components)
     }
 
-    /// Texture fetches of one look-up, one per layer. Learned terms take as many more as the basis has terms,
-    /// including the mean, for each light.
+    /// Texture fetches of one look-up of a view, one per layer; a look-up between views takes up to three times as many.
+    /// Learned terms take as many more as the basis has terms, including the mean, for each light.
     pub fn fetches(&self) -> u32 {
         self.textures.iter().map(TextureHeader::layers).sum()
     }
@@ -183,6 +206,9 @@ impl PwtHeader {
             let [width, height] = self.extent;
             let allowed = format!("multiples of {}, as levels requires", 1 << self.levels);
             return Err(rejected("extent", format!("{width} x {height}"), allowed));
+        }
+        if self.views.is_some() {
+            check_range("views", self.view_count(), 2..=MAX_VIEWS)?;
         }
         check_range("degree", self.basis.degree, 0..=self.basis.coordinates.max_degree())?;
         if let Domain::Logarithm { epsilon } = self.domain
@@ -214,16 +240,21 @@ impl PwtHeader {
         let mut finest = 0;
         for texture in &self.textures {
             if !(finest..=self.levels).contains(&texture.level) {
-                let allowed = format!("{finest} to {}, each coarser than the level before", self.levels);
+                let allowed = format!("{finest} to {}, none finer than the level before", self.levels);
                 return Err(rejected("texture level", texture.level, allowed));
             }
-            finest = texture.level + 1;
+            finest = texture.level;
             if ![1, 2, 4].contains(&texture.channels) {
                 return Err(rejected("texture channels", texture.channels, "1, 2 or 4"));
             }
             let count = texture.components.len();
             if count == 0 || !count.is_multiple_of(texture.channels as usize) {
                 return Err(rejected("components", count, format!("a positive multiple of {}", texture.channels)));
+            }
+            let (layers, views) = (texture.layers(), self.view_count());
+            if layers.saturating_mul(views) > MAX_ARRAY_LAYERS {
+                let allowed = format!("at most {MAX_ARRAY_LAYERS} in all");
+                return Err(rejected("layers of a texture", format!("{layers} for each of {views} views"), allowed));
             }
         }
         let count = self.components().count();
@@ -263,6 +294,7 @@ impl PwtHeader {
         let PwtErrors { lights, psnr, held_out_psnr, delta_e } = self.errors;
         words.extend([lights, psnr.to_bits(), held_out_psnr.to_bits(), delta_e.to_bits()]);
         words.push(self.light_map.as_ref().map_or(0, LightMap::side));
+        words.push(self.view_count());
         words.extend(self.triangle.iter().map(|c| c.to_bits()));
         for texture in &self.textures {
             words.extend([texture.level, texture.channels, texture.components.len() as u32]);
@@ -273,17 +305,18 @@ impl PwtHeader {
         words.into_iter().flat_map(u32::to_le_bytes).collect()
     }
 
-    /// Reads the value of [`PWT_ENTRY`]. `map` reads the light map of a side.
-    pub(super) fn from_bytes(
-        bytes: &[u8],
-        map: impl FnOnce(u32, usize) -> Result<LightMap, FormatError>,
-    ) -> Result<Self, FormatError> {
+    /// Reads the value of [`PWT_ENTRY`].
+    pub(super) fn from_bytes(bytes: &[u8], map: MapReader<'_>, mesh: MeshReader<'_>) -> Result<Self, FormatError> {
         // Offsets within a value are not offsets in the file.
         let named = |error: FormatError| match error.place {
             Place::Whole => error,
             _ => FormatError { place: Place::Whole, field: format!("{PWT_ENTRY} {}", error.field).into(), ..error },
         };
-        let (mut header, side) = Self::read(bytes).map_err(named)?;
+        let (mut header, side, views) = Self::read(bytes).map_err(named)?;
+        check_range("views", views, 1..=MAX_VIEWS)?;
+        if views > 1 {
+            header.views = Some(mesh(views)?);
+        }
         let is_learned = header.basis.coordinates == LightCoordinates::Learned;
         if is_learned {
             check_range("side of the light map", side, MAP_SIDES)?;
@@ -295,8 +328,8 @@ impl PwtHeader {
         Ok(header)
     }
 
-    /// Header without its light map, and the side of the map.
-    fn read(bytes: &[u8]) -> Result<(Self, u32), FormatError> {
+    /// Header without its light map and views, the side of the map and the number of views.
+    fn read(bytes: &[u8]) -> Result<(Self, u32, u32), FormatError> {
         if bytes.len() < FIXED_BYTES {
             return Err(rejected("length", format!("{} bytes", bytes.len()), format!("{FIXED_BYTES} bytes or more")));
         }
@@ -340,16 +373,28 @@ impl PwtHeader {
             delta_e: cursor.f32("delta E")?,
         };
         let side = cursor.u32("side of the light map")?;
+        let views = cursor.u32("views")?;
         let triangle = (0..triangle_numbers(basis)).map(|_| cursor.f32("triangle")).collect::<Result<_, _>>()?;
         let textures = (0..textures).map(|_| read_texture(&mut cursor)).collect::<Result<_, _>>()?;
         if cursor.remaining() > 0 {
             let allowed = format!("{} bytes, as its fields say", cursor.position());
             return Err(rejected("length", format!("{} bytes", bytes.len()), allowed));
         }
-        let light_map = None;
-        let header =
-            Self { size, extent, repeats, levels, basis, domain, colour, triangle, light_map, textures, errors };
-        Ok((header, side))
+        let header = Self {
+            size,
+            extent,
+            repeats,
+            levels,
+            basis,
+            views: None,
+            domain,
+            colour,
+            triangle,
+            light_map: None,
+            textures,
+            errors,
+        };
+        Ok((header, side, views))
     }
 }
 

@@ -6,22 +6,66 @@ use crate::FormatError;
 use crate::bindings::PackFile;
 use crate::container::entries::{check_texels, entry};
 use crate::container::{Extent, MAX_TEXEL_BYTES, TexelFormat, Texture};
+use crate::direction_mesh::DirectionMesh;
 use std::collections::BTreeMap;
 
 /// An image under variable light: all terms of the light as mipmapped texels, each from the finest level that it needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PwtPack {
     header: PwtHeader,
-    /// All mipmap levels of each texture from its finest, layer by layer, row by row from the top.
+    /// All mipmap levels of each texture from its finest, layer by layer, view by view, row by row from the top.
     texels: Vec<Vec<u8>>,
 }
 
 /// Bindings of the textures. A pack uses the first ones.
-pub(super) const TEXTURES: [&str; MAX_TEXTURES] = ["pwt_texture_0", "pwt_texture_1", "pwt_texture_2", "pwt_texture_3"];
+pub(super) const TEXTURES: [&str; MAX_TEXTURES] = [
+    "pwt_texture_0",
+    "pwt_texture_1",
+    "pwt_texture_2",
+    "pwt_texture_3",
+    "pwt_texture_4",
+    "pwt_texture_5",
+    "pwt_texture_6",
+    "pwt_texture_7",
+];
 
 /// Binding of the learned terms.
 pub(super) const LIGHT_MAP: &str = "pwt_light_map";
 pub(super) const LIGHT_MAP_FORMAT: TexelFormat = TexelFormat::Rgba16Float;
+
+/// Binding of the mesh of views.
+pub(super) const VIEWS: &str = "direction_mesh_words";
+/// Texels per row of that mesh.
+const MESH_WIDTH: u32 = 256;
+
+/// Size of the texture of a mesh.
+pub(super) fn mesh_extent(mesh: &DirectionMesh) -> Extent {
+    Extent::D2([MESH_WIDTH, mesh.words().len().div_ceil(MESH_WIDTH as usize) as u32])
+}
+
+/// Bytes on a GPU of a mesh of views.
+pub fn mesh_bytes(mesh: &DirectionMesh) -> u64 {
+    4 * mesh_extent(mesh).texels_of_levels(1)
+}
+
+/// Texels of the texture of a mesh: its words, padded with 0.
+pub(super) fn mesh_texels(mesh: &DirectionMesh) -> Vec<u8> {
+    let mut words = mesh.words().to_vec();
+    words.resize(words.len().next_multiple_of(MESH_WIDTH as usize), 0);
+    words.into_iter().flat_map(u32::to_le_bytes).collect()
+}
+
+/// Reads and validates the texture of the mesh of `views` views.
+fn mesh_of(texture: &Texture, views: u32) -> Result<DirectionMesh, FormatError> {
+    let words = texture.texels.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
+    let mesh = DirectionMesh::from_words(&words.collect::<Vec<_>>())?;
+    if mesh.directions() != views as usize {
+        let allowed = format!("{views}, as {PWT_ENTRY} says");
+        return Err(FormatError::whole(format!("{VIEWS}, directions"), mesh.directions().to_string(), allowed));
+    }
+    check_texels(texture, VIEWS, mesh_extent(&mesh), TexelFormat::R32Uint, "its counts")?;
+    Ok(mesh)
+}
 
 /// Size of the texture of a light map.
 pub(super) fn map_extent(side: u32, terms: usize) -> Extent {
@@ -91,16 +135,17 @@ impl PwtPack {
         self.header.levels - self.header.textures[texture].level + 1
     }
 
-    /// GPU memory of all levels and of the light map, bytes.
+    /// GPU memory of all levels, of the light map and of the mesh of views, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         let map = self.header.light_map.as_ref().map_or(0, LightMap::gpu_bytes);
-        (0..self.texels.len()).map(|texture| self.texture_bytes(texture)).sum::<u64>() + map
+        let views = self.header.views.as_ref().map_or(0, mesh_bytes);
+        (0..self.texels.len()).map(|texture| self.texture_bytes(texture)).sum::<u64>() + map + views
     }
 
-    /// Size and layers of a texture.
+    /// Size of a texture, and its layers over all views: layer `i` of view `v` is `i views + v`.
     pub fn texture_shape(&self, texture: usize) -> Extent {
         let [width, height] = self.header.texture_extent(texture);
-        Extent::D2Array([width, height, self.header.textures[texture].layers()])
+        Extent::D2Array([width, height, self.header.textures[texture].layers() * self.header.view_count()])
     }
 
     fn texture_bytes(&self, texture: usize) -> u64 {
@@ -128,13 +173,16 @@ impl PwtPack {
     /// Returns an error if the file violates `formats/src/pwt/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
         let own = file.take_own();
-        let map = file.take_texture(LIGHT_MAP);
-        let header = PwtHeader::from_bytes(entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?, |side, terms| {
-            let missing = || FormatError::whole(LIGHT_MAP, "no texels", "the light map of learned terms").problem();
-            let map = map.ok_or_else(missing)?;
-            check_texels(&map, LIGHT_MAP, map_extent(side, terms), LIGHT_MAP_FORMAT, PWT_ENTRY)?;
+        let [map, mesh] = [LIGHT_MAP, VIEWS].map(|name| file.take_texture(name));
+        let missing = |name, what: &'static str| FormatError::whole(name, "no texels", what).problem();
+        let mut light_map = |side, terms| {
+            let map = map.as_ref().ok_or_else(|| missing(LIGHT_MAP, "the light map of learned terms"))?;
+            check_texels(map, LIGHT_MAP, map_extent(side, terms), LIGHT_MAP_FORMAT, PWT_ENTRY)?;
             LightMap::from_bytes(side, &map.texels)
-        })?;
+        };
+        let mut views = |count| mesh_of(mesh.as_ref().ok_or_else(|| missing(VIEWS, "the mesh of views"))?, count);
+        let value = entry(&own, PWT_ENTRY, "a polynomial wavelet tree")?;
+        let header = PwtHeader::from_bytes(value, &mut light_map, &mut views)?;
         let expected = Self { texels: Vec::new(), header };
         expected.check_bytes()?;
         let others = TEXTURES[1..].iter().map_while(|name| file.take_texture(name));

@@ -1,5 +1,6 @@
 // Decoder of polynomial wavelet trees. Layout: formats/src/pwt/spec.md. Bindings are in group 1; any texture can be
-// bound for those that a pack lacks. All functions have Rust versions in formats/src/pwt.
+// bound for those that a pack lacks. All functions have Rust versions in formats/src/pwt. It follows
+// `direction_mesh.wgsl`, which blends the views of a BTF.
 
 struct PwtParameters {
     size: vec2<f32>,          // columns and rows of the image
@@ -12,9 +13,13 @@ struct PwtParameters {
     textures: u32,
     levels: u32,              // coarsest mipmap level
     map_side: u32,            // texels per side of the light map; 0 without learned terms
-    first_level: vec4<u32>,   // per texture, number of times that the image was halved
-    layers: vec4<u32>,        // per texture
-    channels: vec4<u32>,      // per texture
+    views: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
+    first_level: array<vec4<u32>, 2>, // per texture, number of times that the image was halved
+    layers: array<vec4<u32>, 2>,      // per texture, for each view
+    channels: array<vec4<u32>, 2>,    // per texture
     colour: array<vec4<f32>, 3>,
     triangle: array<vec4<f32>, 167>,
     components: array<vec4<f32>, 128>, // channel, term, scale, low
@@ -26,6 +31,10 @@ struct PwtParameters {
 @group(1) @binding(11) var pwt_texture_1: texture_2d_array<f32>; // second texture, or any
 @group(1) @binding(12) var pwt_texture_2: texture_2d_array<f32>; // third texture, or any
 @group(1) @binding(13) var pwt_texture_3: texture_2d_array<f32>; // fourth texture, or any
+@group(1) @binding(45) var pwt_texture_4: texture_2d_array<f32>; // and so on
+@group(1) @binding(46) var pwt_texture_5: texture_2d_array<f32>;
+@group(1) @binding(47) var pwt_texture_6: texture_2d_array<f32>;
+@group(1) @binding(48) var pwt_texture_7: texture_2d_array<f32>;
 @group(1) @binding(14) var pwt_sampler: sampler; // linear within and between levels; repeat for tiles, otherwise clamp
 
 @group(1) @binding(43) var pwt_light_map: texture_2d_array<f32>; // RGB of each learned term over the paraboloid, or any
@@ -33,14 +42,29 @@ struct PwtParameters {
 
 const PWT_LARGEST: f32 = 65504.0;
 
-// Linear RGB at a point of the image, 0 to 1 across it and down from its top. Level 0 is full resolution. `wi` is a
-// unit vector to the light.
-fn pwt_value(uv: vec2<f32>, level: f32, wi: vec3<f32>) -> vec3<f32> {
+// Linear RGB at a point of the image, 0 to 1 across it and down from its top. Level 0 is full resolution. `wo` and `wi`
+// are unit vectors to the viewer and to the light; a pack of one view ignores `wo`.
+fn pwt_value(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
     if wi.z <= 0.0 {
         return vec3<f32>(0.0);
     }
     var weights = pwt_weights(wi);
-    return pwt_linear(pwt_sum(uv, level, &weights));
+    let seen = pwt_seen(wo);
+    var value = vec3<f32>(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        if seen.weights[k] > 0.0 {
+            value += seen.weights[k] * pwt_linear(pwt_sum(uv, level, seen.indices[k], &weights));
+        }
+    }
+    return value;
+}
+
+// Three views and their weights.
+fn pwt_seen(wo: vec3<f32>) -> DirectionMeshWeights {
+    if pwt.views == 1u {
+        return DirectionMeshWeights(vec3<u32>(0u), vec3<f32>(1.0, 0.0, 0.0));
+    }
+    return direction_mesh_weights(wo, 0u);
 }
 
 // Mipmap level of a pixel, from the differences of uv to its neighbours.
@@ -156,19 +180,19 @@ fn pwt_harmonics(x: f32, y: f32, z: f32) -> array<f32, 36> {
     return terms;
 }
 
-// RGB at a point, in the domain of the pack: one fetch per layer if the sampler filters.
-fn pwt_sum(uv: vec2<f32>, level: f32, weights: ptr<function, array<vec3<f32>, 36>>) -> vec3<f32> {
+// RGB of a view at a point, in the domain of the pack: one fetch per layer if the sampler filters.
+fn pwt_sum(uv: vec2<f32>, level: f32, view: u32, weights: ptr<function, array<vec3<f32>, 36>>) -> vec3<f32> {
     let within = select(clamp(uv, vec2<f32>(0.0), vec2<f32>(1.0)), uv - floor(uv), pwt.repeats == 1u);
     let at = within * (pwt.size / pwt.extent);
     // The first learned term is 1 in every texel.
     var sum = select(vec3<f32>(0.0), (*weights)[0], pwt.coordinates == 3u);
     var first = 0u;
     for (var index = 0u; index < pwt.textures; index++) {
-        let base = pwt.first_level[index];
+        let base = pwt.first_level[index / 4u][index % 4u];
         let own = clamp(level - f32(base), 0.0, f32(pwt.levels - base));
-        for (var layer = 0u; layer < pwt.layers[index]; layer++) {
-            let texel = pwt_sample(index, layer, at, own);
-            for (var k = 0u; k < pwt.channels[index]; k++) {
+        for (var layer = 0u; layer < pwt.layers[index / 4u][index % 4u]; layer++) {
+            let texel = pwt_sample(index, layer * pwt.views + view, at, own);
+            for (var k = 0u; k < pwt.channels[index / 4u][index % 4u]; k++) {
                 let component = pwt.components[first];
                 let value = component.w + component.z * texel[k];
                 sum += pwt.colour[u32(component.x)].rgb * (*weights)[u32(component.y)] * value;
@@ -185,7 +209,11 @@ fn pwt_sample(index: u32, layer: u32, at: vec2<f32>, own: f32) -> vec4<f32> {
             case 0u: { return textureSampleLevel(pwt_texture_0, pwt_sampler, at, layer, own); }
             case 1u: { return textureSampleLevel(pwt_texture_1, pwt_sampler, at, layer, own); }
             case 2u: { return textureSampleLevel(pwt_texture_2, pwt_sampler, at, layer, own); }
-            default: { return textureSampleLevel(pwt_texture_3, pwt_sampler, at, layer, own); }
+            case 3u: { return textureSampleLevel(pwt_texture_3, pwt_sampler, at, layer, own); }
+            case 4u: { return textureSampleLevel(pwt_texture_4, pwt_sampler, at, layer, own); }
+            case 5u: { return textureSampleLevel(pwt_texture_5, pwt_sampler, at, layer, own); }
+            case 6u: { return textureSampleLevel(pwt_texture_6, pwt_sampler, at, layer, own); }
+            default: { return textureSampleLevel(pwt_texture_7, pwt_sampler, at, layer, own); }
         }
     }
     let finer = u32(own);
@@ -199,7 +227,7 @@ fn pwt_sample(index: u32, layer: u32, at: vec2<f32>, own: f32) -> vec4<f32> {
 
 // A level, filtered along columns first.
 fn pwt_filtered(index: u32, layer: u32, at: vec2<f32>, level: u32) -> vec4<f32> {
-    let side = vec2<u32>(pwt.extent) >> vec2<u32>(pwt.first_level[index] + level);
+    let side = vec2<u32>(pwt.extent) >> vec2<u32>(pwt.first_level[index / 4u][index % 4u] + level);
     let position = at * vec2<f32>(side) - 0.5;
     let lower = floor(position);
     let weight = position - lower;
@@ -226,7 +254,11 @@ fn pwt_load(index: u32, layer: u32, texel: vec2<i32>, level: u32) -> vec4<f32> {
         case 0u: { return textureLoad(pwt_texture_0, texel, layer, level); }
         case 1u: { return textureLoad(pwt_texture_1, texel, layer, level); }
         case 2u: { return textureLoad(pwt_texture_2, texel, layer, level); }
-        default: { return textureLoad(pwt_texture_3, texel, layer, level); }
+        case 3u: { return textureLoad(pwt_texture_3, texel, layer, level); }
+        case 4u: { return textureLoad(pwt_texture_4, texel, layer, level); }
+        case 5u: { return textureLoad(pwt_texture_5, texel, layer, level); }
+        case 6u: { return textureLoad(pwt_texture_6, texel, layer, level); }
+        default: { return textureLoad(pwt_texture_7, texel, layer, level); }
     }
 }
 

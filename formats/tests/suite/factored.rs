@@ -11,8 +11,8 @@ use brdfc_formats::flat_btf::{
     BlendedDirection, FlatBtfFile, MacroSurface, MarchSteps, Sheet, ViewWeights, unit_vectors,
 };
 use brdfc_testing::codecs::flat_btf::{
-    BASE, Factors, MATERIALS, SMALL, Sizes, base_table, directions, example_layers, factored, factored_example, only,
-    towards, weights,
+    BASE, Factors, MATERIALS, SMALL, Sizes, base_table, directions, example_layers, factored, factored_example,
+    layers_of, only, towards, weights,
 };
 use brdfc_testing::golden::corpus::packs;
 use brdfc_testing::packs::Numbers;
@@ -229,7 +229,7 @@ fn the_committed_asset_has_known_values() {
     }
     // Ends of rays of sight by short steps and bisection, and the light that reaches them.
     let decoder = file.decoder.clone().with_steps(MarchSteps { sight: 64, refine: 30, both: 128 });
-    let layers = &decoder.parts().layers;
+    let layers = layers_of(decoder.parts());
     assert_eq!(layers, &example_layers(), "the rules that made them");
     let (up, right, back) = ([0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.8, 0.6]);
     let (oblique, steep) = ([-0.48, 0.64, 0.6], [0.0, 0.6, 0.8]);
@@ -249,8 +249,7 @@ fn the_committed_asset_has_known_values() {
         ([0.7, 0.45], [0.0, -0.8, 0.6], -1.0, [0.7, 0.174_646_8], 0.913_03, Sheet::Top, [0.732_812_5, 0.197_281], 1.0),
         ([0.4, 0.5], steep, 0.0, [0.4, 0.374_852_9], 0.166_274_5, Sheet::Base, [0.379_687_5, 0.394_375], 0.0),
     ] {
-        let point = decoder.seen(uv, view, level);
-        let found = decoder.parameters(&point, level);
+        let (point, found) = decoder.seen(uv, view, level);
         let off = [point.at[0] - at[0], point.at[1] - at[1], point.height - height];
         let off = off.into_iter().chain((0..2).map(|k: usize| found[k] - parameters[k]));
         assert!(point.sheet == sheet && off.into_iter().all(|c| c.abs() < 1e-5), "{uv:?}: {point:?} {found:?}");

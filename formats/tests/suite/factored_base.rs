@@ -3,9 +3,9 @@
 use crate::factored::close;
 use brdfc_formats::container::Extent;
 use brdfc_formats::flat_btf::factored::{BaseMaterial, BaseTexel, BasisMap, FactoredHeader, LevelTable, TablePlace};
-use brdfc_formats::flat_btf::{BlendedDirection, SampledDirections};
+use brdfc_formats::flat_btf::{BlendedDirection, FlatBtfParts, SampledDirections};
 use brdfc_testing::codecs::flat_btf::{
-    BASE, Factors, MATERIALS, SMALL, base_table, factored, nothing, only, towards, two_materials,
+    BASE, Factors, MATERIALS, SMALL, base_table, factored, flat_relief, nothing, only, towards, two_materials,
 };
 use brdfc_testing::packs::Numbers;
 
@@ -15,7 +15,7 @@ fn a_base_alone() {
     let asset = factored(SMALL, BASE, 5);
     assert_eq!((asset.header().tables_extent(), asset.lowest_light()), (Extent::D3([8, 48, 1]), 0.0));
     assert!(asset.basis().words().is_empty());
-    assert_eq!(SampledDirections::of(&asset), Ok(None));
+    assert_eq!(SampledDirections::of(&FlatBtfParts::new(flat_relief(SMALL), asset.clone())), Ok(None));
     let mut numbers = Numbers::new(3);
     for k in 0..100 {
         let (view, light) = (towards(nothing(k)), towards(nothing(k / 5)));

@@ -7,8 +7,8 @@ use brdfc_formats::flat_btf::{
     ReliefPoint, Sheet, VisibilityMask,
 };
 use brdfc_testing::codecs::flat_btf::{
-    BASE, Factors, SMALL, Sizes, base_file, factored, factored_file, flat_relief, layers, materials_file, nothing,
-    only, parts, relief, towards,
+    BASE, Factors, SMALL, Sizes, base_file, factored, factored_file, flat_relief, layers, layers_of, materials_file,
+    nothing, only, parts, relief, towards,
 };
 use brdfc_testing::packs::{Numbers, unit_vector};
 use proptest::prelude::*;
@@ -87,9 +87,8 @@ fn parameters_are_positions_and_displacements() {
     let [u, v] = layers.parameters([1.0, 0.25], Sheet::Base, 0.0);
     assert!((u - 1.0 - 0.5 * 0.3125).abs() < 1e-6 && (v - 0.25 + 0.375).abs() < 1e-6, "{u} {v}");
     // The decoder wraps them.
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(Sizes { plane: 4, ..SMALL }, 1) });
-    let point = decoder.seen([0.75, 0.25], UP, 0.0);
-    let [u, v] = decoder.parameters(&point, 0.0);
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { relief: layers.into(), ..parts(Sizes { plane: 4, ..SMALL }, 1) });
+    let (_, [u, v]) = decoder.seen([0.75, 0.25], UP, 0.0);
     assert!((u - 0.0625).abs() < 1e-6 && (v - 0.875).abs() < 1e-6, "{u} {v}");
 }
 
@@ -225,9 +224,8 @@ fn any_query_gives_numbers_in_range() {
             for u in odd {
                 for v in odd {
                     for z in odd {
-                        let point = decoder.seen([u, v], [v, u, z], z);
+                        let (point, found) = decoder.seen([u, v], [v, u, z], z);
                         assert!(!(point.height < 0.0 || point.height > 1.0), "{u} {v} {z}: {point:?}");
-                        let found = decoder.parameters(&point, z);
                         assert!(found.iter().all(|c| (0.0..1.0).contains(c)), "{u} {v} {z}: {found:?}");
                         let [view, light] = [2, 1].map(|k| towards(samples(k)));
                         let value = decoder.value([u, v], z, view, light);
@@ -286,11 +284,11 @@ fn levels_of_detail_are_blended_and_clamped() {
         assert_eq!(layers.column(at, 3.0), layers.column([0.5; 2], 3.0));
     }
     // The level of detail refers to the texels of the flat BTF, of which there are half as many.
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers: layers.clone(), ..parts(SMALL, 8) });
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { relief: layers.clone().into(), ..parts(SMALL, 8) });
     assert_eq!(decoder.finer(), 1.0);
-    let found = decoder.seen([0.1, 0.7], FROM_LEFT, 0.5);
+    let (found, _) = decoder.seen([0.1, 0.7], FROM_LEFT, 0.5);
     assert_eq!(found, layers.seen([0.1, 0.7], FROM_LEFT, MacroSurface::PLANE, 1.5, decoder.steps()));
-    assert_ne!(found, decoder.seen([0.1, 0.7], FROM_LEFT, 1.0));
+    assert_ne!(found, decoder.seen([0.1, 0.7], FROM_LEFT, 1.0).0);
 }
 
 /// The filter wraps around the border of the tile.
@@ -312,7 +310,7 @@ fn values_are_those_behind_a_ray_of_sight() {
     let decoder = |residual: u32| {
         let factors = Factors { groups: 2, wide_groups: 1, residual, ..BASE };
         let layers = layers(Sizes { plane: 32, ..SMALL }, 9);
-        FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: factored(SMALL, factors, 3) })
+        FlatBtfDecoder::new(FlatBtfParts::new(layers, factored(SMALL, factors, 3)))
     };
     let (plain, with) = (decoder(0), decoder(2));
     let mut numbers = Numbers::new(10);
@@ -321,10 +319,10 @@ fn values_are_those_behind_a_ray_of_sight() {
         let uv = [0; 2].map(|_| numbers.between(-1.0, 1.0) as f32);
         let level = numbers.between(-1.0, 3.0) as f32;
         let (view, light) = (towards(only(k % 3)), towards(only(k % 5)));
-        let point = with.seen(uv, view.direction, level);
-        let texel = with.parts().reflectance.filtered(with.parameters(&point, level), level);
+        let (point, parameters) = with.seen(uv, view.direction, level);
+        let texel = with.parts().reflectance.filtered(parameters, level);
         let value = texel.blended(view, light);
-        let (layers, steps) = (&with.parts().layers, with.steps());
+        let (layers, steps) = (layers_of(with.parts()), with.steps());
         let (normal, to) = (texel.base().normal, light.direction);
         let faces = normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2] > 0.0;
         let lit = if faces && value != [0.0; 3] {
@@ -334,7 +332,7 @@ fn values_are_those_behind_a_ray_of_sight() {
             0.0
         };
         assert_eq!(with.value(uv, level, view, light), texel.shadowed(value, light.samples, lit));
-        let texel = plain.parts().reflectance.filtered(plain.parameters(&point, level), level);
+        let texel = plain.parts().reflectance.filtered(parameters, level);
         let value = texel.blended(view, light).map(|channel| channel * lit);
         assert_eq!(plain.value(uv, level, view, light), value);
         *if lit > 0.0 { &mut reached } else { &mut blocked } += 1;
@@ -342,17 +340,17 @@ fn values_are_those_behind_a_ray_of_sight() {
     assert!(blocked > away + 20 && reached > 100 && away > 20, "{blocked} {reached} {away}");
     // Layers of one height shadow nothing.
     let (layers, reflectance) = (flat_relief(SMALL), factored(SMALL, BASE, 3));
-    let flat = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
+    let flat = FlatBtfDecoder::new(FlatBtfParts::new(layers, reflectance));
     let (view, light) = (towards(nothing(1)), towards(nothing(4)));
-    let point = flat.seen([0.3, 0.6], view.direction, 0.5);
-    let value = flat.parts().reflectance.filtered(flat.parameters(&point, 0.5), 0.5).blended(view, light);
+    let (_, parameters) = flat.seen([0.3, 0.6], view.direction, 0.5);
+    let value = flat.parts().reflectance.filtered(parameters, 0.5).blended(view, light);
     assert!(flat.value([0.3, 0.6], 0.5, view, light) == value && value[0] > 0.0, "{value:?}");
 }
 
 #[test]
 fn steps_may_be_replaced() {
     let decoder = FlatBtfDecoder::new(parts(Sizes { plane: 32, ..SMALL }, 4));
-    assert_eq!(decoder.steps(), MarchSteps::of(decoder.parts().layers.header()));
+    assert_eq!(decoder.steps(), MarchSteps::of(layers_of(decoder.parts()).header()));
     let fine = decoder.clone().with_steps(FINE);
     assert_eq!((fine.steps(), fine.parts()), (FINE, decoder.parts()));
     let differ = |k: u32| {
@@ -366,14 +364,14 @@ fn steps_may_be_replaced() {
 #[test]
 fn graphics_memory_is_the_sum_of_the_texels() {
     for file in [base_file(), materials_file(), factored_file()] {
-        let FlatBtfParts { layers, reflectance } = file.decoder.parts();
+        let (layers, reflectance) = (layers_of(file.decoder.parts()), &file.decoder.parts().reflectance);
         let of_layers = layers.height_bytes().len() + layers.displacement_bytes().len();
         let directions = file.directions.as_ref().map_or(0, |directions| size_of_val(&directions.texels()[..]));
         assert_eq!(file.gpu_bytes(), (of_layers + directions) as u64 + reflectance.gpu_bytes());
     }
     // 8 x 8, 4 x 4, 2 x 2 and 1 x 1 texels of a byte, or four; from 4 x 4 on two halves for each sheet.
     let sizes = |file: FlatBtfFile| {
-        let layers = file.decoder.into_parts().layers;
+        let layers = layers_of(file.decoder.parts());
         [layers.height_bytes().len(), layers.displacement_bytes().len()]
     };
     assert_eq!(sizes(base_file()), [85, 4 * 21]);
@@ -397,7 +395,7 @@ proptest! {
         let materials = if groups == 0 { materials } else { 0 };
         let factors = Factors { levels: 1, groups, wide_groups: groups / 2, residual, materials };
         let layers = layers(sizes, seed);
-        let parts = FlatBtfParts { layers, reflectance: factored(sizes, factors, seed) };
+        let parts = FlatBtfParts::new(layers, factored(sizes, factors, seed));
         let file = FlatBtfFile { report, ..FlatBtfFile::new(FlatBtfDecoder::new(parts)).unwrap() };
         prop_assert_eq!(file.directions.is_some(), groups > 0);
         prop_assert_eq!(FlatBtfFile::from_bytes(&file.to_bytes(supercompress)).unwrap(), file);

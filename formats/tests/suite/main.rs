@@ -27,3 +27,4 @@ mod pwt_shader;
 mod shader;
 mod spec_dumps;
 mod table_corrupt;
+mod vdim;

@@ -1,6 +1,9 @@
 //! Polynomial wavelet trees: file round trips, and look-ups with known answers.
 
 use brdfc_formats::Pack;
+use brdfc_formats::container::seal;
+use brdfc_formats::direction_mesh::DirectionMesh;
+use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::pwt::{
     Component, Domain, LightBasis, LightCoordinates, LightMap, MAX_TERMS, PwtDecoder, PwtHeader, PwtPack, TextureHeader,
 };
@@ -30,7 +33,9 @@ fn files_round_trip() {
         let lengths = (0..pack.header().textures.len()).map(|texture| pack.texels(texture).len() as u64);
         // Half floats in four channels, for every term.
         let map = pack.header().light_map.as_ref().map_or(0, |map| 8 * 16 * map.terms() as u64);
-        assert_eq!(pack.gpu_bytes(), lengths.sum::<u64>() + map, "{name}");
+        // Rows of 256 words.
+        let mesh = pack.header().views.as_ref().map_or(0, |mesh| 1024 * mesh.words().len().div_ceil(256) as u64);
+        assert_eq!(pack.gpu_bytes(), lengths.sum::<u64>() + map + mesh, "{name}");
     }
 }
 
@@ -45,11 +50,11 @@ fn constants_are_constant() {
             let light = [0.6, 0.0, 0.8];
             // 0.25 + 2 · 51/255, and x · 102/255.
             let expected = 0.65 + 0.6 * 0.4;
-            let found = decoder.value(uv, level, light);
+            let found = decoder.value(uv, level, UP, light);
             assert!(found.iter().all(|c| (c - expected).abs() < 1e-6), "{uv:?} {level}: {found:?}");
             // A light at or below the horizon has no effect.
             for z in [0.0, -0.0, -0.8] {
-                assert_eq!(decoder.value(uv, level, [0.6, 0.0, z]), [0.0; 3]);
+                assert_eq!(decoder.value(uv, level, UP, [0.6, 0.0, z]), [0.0; 3]);
             }
         }
     }
@@ -63,7 +68,7 @@ fn four(repeats: bool) -> PwtDecoder {
 }
 
 fn grey(decoder: &PwtDecoder, uv: [f32; 2], level: f32) -> f32 {
-    let [red, green, blue] = decoder.value(uv, level, UP);
+    let [red, green, blue] = decoder.value(uv, level, UP, UP);
     assert!(red == green && green == blue);
     red
 }
@@ -173,7 +178,7 @@ fn learned_terms_are_coloured() {
     let header = PwtHeader { light_map, textures: vec![single(0, 1, 1.0, 0.2)], ..plain([1, 1], [1, 1], 0, basis) };
     assert_eq!((header.triangle.len(), header.weights(UP)[2]), (0, [0.0; 3]));
     let decoder = decoder(header.clone(), vec![vec![51]]);
-    let found = decoder.value([0.5; 2], 0.0, UP);
+    let found = decoder.value([0.5; 2], 0.0, UP, UP);
     // The component is 0.2 + 51 / 255.
     for (found, expected) in found.into_iter().zip([0.6, 0.05, 0.125]) {
         assert!((found - expected).abs() < 1e-6, "{found} {expected}");
@@ -192,7 +197,7 @@ fn learned_terms_are_coloured() {
 }
 
 fn grey_under(decoder: &PwtDecoder, light: [f32; 3]) -> f32 {
-    decoder.value([0.5, 0.5], 0.0, light)[0]
+    decoder.value([0.5, 0.5], 0.0, UP, light)[0]
 }
 
 /// Red, green and blue of three channels, and the scale after the sum.
@@ -211,7 +216,7 @@ fn colours_and_domains() {
         (Domain::Logarithm { epsilon: 0.5 }, [0.5f32.exp() - 0.5, 0.625f32.exp() - 0.5, (-0.25f32).exp() - 0.5]),
     ] {
         let decoder = decoder(PwtHeader { domain, ..header.clone() }, vec![vec![9; 4]]);
-        let found = decoder.value([0.5; 2], 0.0, UP);
+        let found = decoder.value([0.5; 2], 0.0, UP, UP);
         for (found, expected) in found.into_iter().zip([red, green, blue]) {
             assert!((found - expected).abs() < 2e-6, "{domain:?}: {found} {expected}");
         }
@@ -229,7 +234,7 @@ fn unpacked_levels_are_the_look_ups() {
         let light = [0.36, -0.48, 0.8];
         let weights = header.weights(light);
         for level in 0..=header.levels {
-            let unpacked = decoder.unpacked(level);
+            let unpacked = decoder.unpacked(0, level);
             let [width, height] = unpacked.size();
             assert_eq!([width, height], header.size.map(|side| side.div_ceil(1 << level) as usize));
             let texels = (width * height * header.components().count()) as u64;
@@ -243,10 +248,13 @@ fn unpacked_levels_are_the_look_ups() {
                 if !header.repeats && uv.iter().any(|c| *c > 1.0) {
                     continue;
                 }
-                let expected = decoder.value(uv, level as f32, light);
+                let expected = decoder.value(uv, level as f32, UP, light);
                 if header.size.iter().all(|side| side.is_power_of_two()) {
                     assert_eq!(found.map(f32::to_bits), expected.map(f32::to_bits), "{name} {level} {k}");
-                    assert_eq!(decoder.sum(uv, level as f32, &weights).map(|sum| header.domain.decode(sum)), expected);
+                    assert_eq!(
+                        decoder.sum(uv, level as f32, 0, &weights).map(|sum| header.domain.decode(sum)),
+                        expected
+                    );
                     exact += 1;
                 }
                 let close = |(a, b): (&f32, &f32)| (a - b).abs() <= 1e-4 * (1.0 + b.abs());
@@ -254,8 +262,8 @@ fn unpacked_levels_are_the_look_ups() {
             }
         }
         // Levels beyond the coarsest are clamped.
-        let last = decoder.unpacked(header.levels);
-        let beyond = decoder.unpacked(u32::MAX);
+        let last = decoder.unpacked(0, header.levels);
+        let beyond = decoder.unpacked(0, u32::MAX);
         assert_eq!((beyond.size(), beyond.rows(0..1, &weights)), (last.size(), last.rows(0..1, &weights)));
         assert_eq!(decoder.unpacked_bytes(u32::MAX), decoder.unpacked_bytes(header.levels));
     }
@@ -267,7 +275,7 @@ fn any_weights_give_numbers() {
     for (name, pack) in packs() {
         let decoder = PwtDecoder::new(pack);
         for weight in [f32::NAN, f32::INFINITY, f32::MAX, f32::MIN] {
-            let sum = decoder.sum([0.3, 0.7], 0.4, &[[weight; 3]; MAX_TERMS]);
+            let sum = decoder.sum([0.3, 0.7], 0.4, 0, &[[weight; 3]; MAX_TERMS]);
             let value = sum.map(|sum| decoder.pack().header().domain.decode(sum));
             assert!(value.iter().all(|c| (0.0..=65504.0).contains(c)), "{name} {weight}: {value:?}");
         }
@@ -301,7 +309,66 @@ proptest! {
         }).collect();
         let pack = random(PwtHeader { repeats, textures, ..header }, seed);
         prop_assert_eq!(&PwtPack::from_bytes(&pack.to_bytes(supercompress)).unwrap(), &pack);
-        let value = PwtDecoder::new(pack).value(numbers, low, [0.6, 0.0, 0.8]);
+        let value = PwtDecoder::new(pack).value(numbers, low, UP, [0.6, 0.0, 0.8]);
         prop_assert!(value.iter().all(|c| c.is_finite() && *c >= 0.0));
     }
+}
+
+/// Four texels of each of two views, `10 v + k` for texel `k` of layer `l`: 100 more in the second layer.
+fn two_views() -> PwtDecoder {
+    let set = DirectionSet::new("two", vec![[0.0, 0.0], [60.0, 0.0]]).unwrap();
+    let basis = linear(0);
+    let component = |term| Component { channel: 0, term, scale: 255.0, low: 0.0 };
+    let textures = vec![TextureHeader { level: 0, channels: 1, components: vec![component(0), component(0)] }];
+    let views = Some(DirectionMesh::new(&set).unwrap());
+    let header = PwtHeader { repeats: true, views, textures, ..plain([2, 2], [2, 2], 0, basis) };
+    let layer = |first: u8| (0..2u8).flat_map(move |view| (0..4).map(move |k| first + 10 * view + k));
+    decoder(header, vec![layer(0).chain(layer(100)).collect()])
+}
+
+/// Known answers: at its direction each view is the sum of its own layers; between, they are blended in paraboloid coordinates;
+/// texels of other views never show.
+#[test]
+fn views_are_blended_by_their_directions() {
+    let decoder = two_views();
+    let at = |degrees: f32| [degrees.to_radians().sin(), 0.0, degrees.to_radians().cos()];
+    let value = |degrees, uv| decoder.value(uv, 0.0, at(degrees), UP)[0];
+    for (k, uv) in [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]].into_iter().enumerate() {
+        let [first, second] = [100.0 + 2.0 * k as f32, 120.0 + 2.0 * k as f32];
+        assert!((value(0.0, uv) - first).abs() < 1e-3 && (value(60.0, uv) - second).abs() < 1e-3, "{k}");
+        // Half of the tangent of half the angle.
+        let middle = 2.0 * (0.5 * 30f32.to_radians().tan()).atan().to_degrees();
+        assert!((value(middle, uv) - 0.5 * (first + second)).abs() < 1e-2, "{k}: {}", value(middle, uv));
+        assert!((value(-60.0, uv) - first).abs() < 1e-3 && (value(80.0, uv) - second).abs() < 1e-3, "{k}");
+    }
+    // A tile repeats its own view, not the next one.
+    assert!((value(0.0, [0.25, 0.0]) - 102.0).abs() < 1e-3, "{}", value(0.0, [0.25, 0.0]));
+    let rows = |view| decoder.unpacked(view, 0).rows(0..2, &decoder.pack().header().weights(UP));
+    assert_eq!([rows(0)[3], rows(1)[0]].map(|colour| colour[0].round()), [106.0, 120.0]);
+}
+
+/// Files whose mesh is missing, of another number of views, or not finite, and packs with too many layers.
+#[test]
+fn wrong_views_are_rejected() {
+    let pack = two_views().into_pack();
+    let bytes = pack.to_bytes(false);
+    assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), pack);
+    let header = pack.header().clone();
+    let mut components = header.textures[0].components.clone();
+    components.resize(129, components[0]);
+    let textures = vec![TextureHeader { level: 0, channels: 1, components }];
+    let error = PwtPack::new(PwtHeader { textures, ..header.clone() }, vec![Vec::new()]).unwrap_err().to_string();
+    let expected = "brdfc.pwt layers of a texture: found 129 for each of 2 views, expected at most 256 in all";
+    assert_eq!(error, expected);
+    let single = DirectionMesh::new(&DirectionSet::new("one", vec![[0.0, 0.0]]).unwrap()).unwrap();
+    let error = PwtPack::new(PwtHeader { views: Some(single), ..header }, vec![vec![0; 16]]).unwrap_err().to_string();
+    assert_eq!(error, "brdfc.pwt views: found 1, expected 2 to 256");
+    // The last coordinate of the mesh becomes NaN.
+    let x = (60f32.to_radians() / 2.0).tan().to_bits().to_le_bytes();
+    let at = bytes.windows(4).position(|word| word[1..] == x[1..]).expect("the mesh has the view");
+    let mut broken = bytes.clone();
+    broken[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    seal(&mut broken);
+    let error = PwtPack::from_bytes(&broken).unwrap_err().to_string();
+    assert_eq!(error, "directions, coordinate 2: found NaN, expected -1 to 1");
 }

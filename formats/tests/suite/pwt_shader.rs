@@ -62,6 +62,8 @@ fn the_uniform_block_matches_rust() {
                 "textures" => vec![header.textures.len() as u32],
                 "levels" => vec![header.levels],
                 "map_side" => vec![header.light_map.as_ref().map_or(0, |map| map.side())],
+                "views" => vec![header.view_count()],
+                "reserved_0" | "reserved_1" | "reserved_2" => vec![0],
                 "first_level" => of(&|k| header.textures[k].level),
                 "layers" => of(&|k| header.textures[k].layers()),
                 "channels" => of(&|k| header.textures[k].channels),

@@ -11,7 +11,7 @@ use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters};
-use brdfc_testing::codecs::flat_btf::{SMALL, base_file, parts};
+use brdfc_testing::codecs::flat_btf::{SMALL, base_file, layers_of, parts, vdim_file};
 use brdfc_testing::codecs::wavelet::{energy_preserving, header, pack};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::collections::BTreeMap;
@@ -167,6 +167,10 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
         ("low", (-0.25f32).to_bits()),
         ("range", 0.5f32.to_bits()),
         ("finer", 1.0f32.to_bits()),
+        ("polar_angles", 0),
+        ("azimuth_rows", 0),
+        ("largest_angle", 0),
+        ("lights", 0),
         ("reserved_0", 0),
         ("reserved_1", 0),
         ("reserved_2", 0),
@@ -175,15 +179,19 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     for (member, (name, expected)) in members.iter().zip(words) {
         let word = u32::from_le_bytes(bytes[member.offset as usize..][..4].try_into().unwrap());
         assert_eq!(word, expected, "{name}");
-        let is_float = ["low", "range", "finer"].contains(&name);
+        let is_float = ["low", "range", "finer", "largest_angle"].contains(&name);
         let kind = if is_float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint };
         assert_eq!(module.types[member.ty].inner.scalar_kind(), Some(kind), "{name}");
     }
     // One sheet; the steps of the relief.
     let base = base_file().decoder;
-    let MarchSteps { sight, refine, both } = MarchSteps::of(base.parts().layers.header());
+    let MarchSteps { sight, refine, both } = MarchSteps::of(layers_of(base.parts()).header());
     let base = FlatBtfParameters::to_bytes(&base);
     assert_eq!(base[..24], *[8, 1, 4, sight, refine, both].map(u32::to_le_bytes).as_flattened());
+    // An indirection map, with shadows of five lights.
+    let map = FlatBtfParameters::to_bytes(&vdim_file().decoder);
+    let words = [8, 0, 4, 0, 0, 0, 0, 0, 1.0f32.to_bits(), 4, 5, 1.25f32.to_bits(), 5, 0, 0, 0];
+    assert_eq!(map, *words.map(u32::to_le_bytes).as_flattened());
 }
 
 /// Constants of the shader are those of the CPU decoder.

@@ -83,9 +83,9 @@ fn flat_btfs() {
 #[test]
 fn the_worked_value_of_the_flat_btf_page() {
     let decoder = example_flat_btf().decoder;
-    let point = decoder.seen([0.2, 0.7], [0.6, 0.0, 0.8], 0.0);
+    let (point, parameters) = decoder.seen([0.2, 0.7], [0.6, 0.0, 0.8], 0.0);
     assert!((point.height - 0.2).abs() < 1e-6 && point.sheet == Sheet::Base, "{point:?}");
-    for found in [point.at, decoder.parameters(&point, 0.0)] {
+    for found in [point.at, parameters] {
         assert!((found[0] - 0.1625).abs() < 1e-6 && (found[1] - 0.7).abs() < 1e-6, "{found:?}");
     }
     assert!(include_str!("../../src/flat_btf/spec.md").contains("`(0.1625, 0.7)`"));
@@ -124,12 +124,12 @@ fn polynomial_wavelet_trees() {
     let example = brdfc_testing::codecs::pwt::example();
     let bytes = example.to_bytes(false);
     assert_eq!(PwtPack::from_bytes(&bytes).unwrap(), example);
-    assert_eq!(check_dump(page, &bytes), 82);
+    assert_eq!(check_dump(page, &bytes), 105);
     assert!(page.contains(&format!("a uniform block of {} bytes", PwtParameters::SIZE)));
     // The worked values at the end of the page.
     let decoder = PwtDecoder::new(example);
     for (uv, expected) in [([0.25, 0.25], 0.09), ([0.5, 0.5], 0.49)] {
-        let [value, ..] = decoder.value(uv, 0.0, [0.6, 0.0, 0.8]);
+        let [value, ..] = decoder.value(uv, 0.0, [0.0, 0.0, 1.0], [0.6, 0.0, 0.8]);
         assert!((value - expected).abs() < 1e-6 && page.contains(&format!("= {expected}`")), "{uv:?} {value}");
     }
 }

@@ -5,14 +5,15 @@ mod flat;
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{json_or, note, print, refuse_flags, remark};
+use super::reading::ReadingOptions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
-    Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, reflectances,
+    BtfComparison, Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, reflectances,
 };
 use brdfc::evaluate::pairs_from_csv;
 use brdfc::inspect::{AnyPack, is_rti_capture, open_pack, ptm, rti};
-use brdfc::{Facts, Fraction, Input, Material};
+use brdfc::{Facts, Fraction, Input, Material, Reading, open_with};
 use clap::Args;
 use serde::Serialize;
 use std::path::Path;
@@ -25,6 +26,9 @@ use std::path::Path;
 /// capture with the same lights. The program compares them photograph by photograph, in 8-bit sRGB
 /// levels and as ΔE.
 ///
+/// If A is a BTF (a folder of images or a .btf file), B is a pack of 'brdfc pwt --view all'. The program compares them view
+/// by view in the same way.
+///
 /// If A is a flat BTF (the file that 'brdfc flatten' wrote, or its folder), B is another flat BTF of the same surface,
 /// such as a smaller one. The program compares them by ΔE at random positions, views and lights.
 #[derive(Debug, Args)]
@@ -34,6 +38,7 @@ Examples:
   brdfc compare red.binary red.ktx2 --directions 100000 --max-error 0.05
   brdfc compare a.ktx2 b.ktx2 --directions pairs.csv --json
   brdfc compare icon icon.ktx2 --max-delta-e 3
+  brdfc compare cloth cloth.ktx2 --max-delta-e 3
   brdfc compare whole button --max-delta-e 4")]
 pub struct Arguments {
     /// The reference: a path, - for stdin, or synth:MODEL?param=value&...
@@ -48,9 +53,11 @@ pub struct Arguments {
     /// Maximum mean relative difference ε_r: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
-    /// Maximum mean ΔE (CIE76) of RTI captures and flat BTFs, 0 to 1000.
+    /// Maximum mean ΔE (CIE76) of RTI captures, BTFs and flat BTFs, 0 to 1000.
     #[arg(long, value_name = "E")]
     max_delta_e: Option<f64>,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.
@@ -72,6 +79,8 @@ enum Compared {
     Reflectances(ReflectanceReport),
     /// Photographs under known lights.
     Photographs(PhotographReport),
+    /// A BTF.
+    Btf(BtfReport),
     /// Two flat BTFs.
     FlatBtfs(FlatReport),
 }
@@ -84,6 +93,16 @@ struct PhotographReport {
     /// Measured errors.
     #[serde(flatten)]
     comparison: PhotographComparison,
+}
+
+/// A BTF, compared with a pack of all its views.
+#[derive(Debug, Serialize, schemars::JsonSchema)]
+struct BtfReport {
+    /// 'btf'.
+    kind: &'static str,
+    /// Measured errors.
+    #[serde(flatten)]
+    comparison: BtfComparison,
 }
 
 /// Error of one source or pack against another.
@@ -112,9 +131,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
+    let reading = arguments.reading.reading(None, &[&arguments.a, &arguments.b])?;
     let kind = Kind::of(&arguments.a)?;
     if let (Kind::RtiCapture, Some(stack)) = (kind, arguments.a.path()) {
         return photographs(arguments, stack, common);
+    }
+    if let (Kind::Btf, Some(folder)) = (kind, arguments.a.path()) {
+        return btf(arguments, folder, common);
     }
     if kind == Kind::FlatBtf {
         arguments.refuse_flags_of_reflectances("flat BTFs")?;
@@ -122,7 +145,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         print_compared(common, Compared::FlatBtfs(report), report.table())?;
         return arguments.max_delta_e.map_or(Ok(()), |limit| report.check(&arguments.a, limit));
     }
-    let (a, b) = (opened(&arguments.a)?, opened(&arguments.b)?);
+    let (a, b) = (opened(&arguments.a, reading)?, opened(&arguments.b, reading)?);
     if arguments.max_delta_e.is_some() {
         let text = "--max-delta-e does not apply to BRDFs; use --max-error, or compare RTI captures or flat BTFs";
         return Err(Error::usage(text));
@@ -152,8 +175,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 }
 
 /// Opens a source or pack. Errors of inputs that can be relit name the order of their comparison.
-fn opened(input: &Input) -> Result<Material, Error> {
-    brdfc::open(input).map_err(|error| {
+fn opened(input: &Input, reading: Reading) -> Result<Material, Error> {
+    open_with(input, reading).map_err(|error| {
         let can_be_relit = match input.extension().unwrap_or_default().as_str() {
             ptm::EXTENSION | rti::EXTENSION => true,
             "ktx2" => matches!(open_pack(input), Ok(AnyPack::Pwt(_))),
@@ -199,15 +222,44 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
     ];
     let text = table::plain(&["photographs", "dB", "mean ΔE", "worst", "under the light"], &[row]);
     print_compared(common, Compared::Photographs(PhotographReport { kind: "rti-capture", comparison }), text)?;
-    match arguments.max_delta_e {
-        Some(limit) if nothing.is_some() => {
-            let nothing = nothing.unwrap_or_default();
-            Err(Error::check(format!("--max-delta-e: {nothing}; expected at most {limit}")))
+    arguments.check_delta_e(found, nothing)
+}
+
+/// Compares a BTF with a pack of all its views.
+fn btf(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
+    arguments.refuse_flags_of_reflectances("a BTF")?;
+    let comparison = brdfc::compare::btf(reference, &arguments.b)?;
+    let BtfComparison { errors, views } = &comparison;
+    let (found, nothing) = (errors.delta_e, errors.nothing_shown());
+    let worst = views.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));
+    let [x, y, z] = worst.map_or([0.0; 3], |worst| worst.view);
+    let row = vec![
+        views.len().to_string(),
+        errors.lights.to_string(),
+        format!("{:.2}", errors.psnr),
+        format!("{found:.2}"),
+        worst.map_or("-".to_owned(), |worst| format!("{:.2}", worst.delta_e)),
+        format!("({x:.2}, {y:.2}, {z:.2})"),
+    ];
+    let text = table::plain(&["views", "images", "dB", "mean ΔE", "worst", "of the view"], &[row]);
+    print_compared(common, Compared::Btf(BtfReport { kind: "btf", comparison }), text)?;
+    arguments.check_delta_e(found, nothing)
+}
+
+impl Arguments {
+    /// Checks the limit of the mean ΔE.
+    fn check_delta_e(&self, found: f64, nothing: Option<String>) -> Result<(), Error> {
+        match self.max_delta_e {
+            Some(limit) if nothing.is_some() => {
+                let nothing = nothing.unwrap_or_default();
+                Err(Error::check(format!("--max-delta-e: {nothing}; expected at most {limit}")))
+            }
+            Some(limit) if found > limit => Err(Error::check(format!(
+                "--max-delta-e: found {}, expected at most {limit}",
+                table::apart(found, limit)
+            ))),
+            _ => Ok(()),
         }
-        Some(limit) if found > limit => {
-            Err(Error::check(format!("--max-delta-e: found {}, expected at most {limit}", table::apart(found, limit))))
-        }
-        _ => Ok(()),
     }
 }
 

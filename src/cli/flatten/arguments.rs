@@ -2,12 +2,12 @@
 
 use brdfc::Input;
 use brdfc::flatten::{FillMethod, Reflectance, StackFormat, describe_structures};
-use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of, whole_number};
+use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of, views_of_map, whole_number};
 use clap::Args;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Make a flat BTF: one file with the relief of a tile in layers, and the reflectance of its surface.
+/// Make a flat BTF: one file with the relief of a tile, in layers or in an indirection map, and the reflectance of its surface.
 ///
 /// MESO is one tile of a repeating surface: synth:STRUCTURE, a mesh (.obj, .ply), or a height map (.png with 8 or 16
 /// bits grey, .exr). It may also be an ordinary BTF (a folder of images or a .btf file), whose relief --geometry gives.
@@ -48,12 +48,32 @@ pub struct Arguments {
     /// channels.
     #[arg(long, value_name = "IMAGE")]
     pub(super) weights: Option<Input>,
-    /// Texels per side of the layers, which hold the relief of a tile, a power of two from 4 to 2048 (default: 256).
+    /// Texels per side of the reference plane, which hold the relief of a tile, a power of two from 4 to 2048 (default: 256).
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = any_whole_number::<u32>(TEXELS))]
     pub(super) texels: u32,
     /// Texels per side of the flat BTF, which hold the reflectance, a power of two from 4 to 2048 (default: --texels).
     #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(TEXELS))]
     pub(super) flat_texels: Option<usize>,
+    /// Form of the relief (default: layers).
+    #[arg(long, value_parser = one_of(&RELIEFS), default_value = "layers")]
+    pub(super) relief: Relief,
+    /// Views of an indirection map: polar angles x rows of azimuths, of which the last repeats the first, 2 to 256 x 4 to
+    /// 256 (default: 16x16). The product of each with --texels is at most 8192.
+    #[arg(long, value_name = "ZxR", value_parser = views_of_map, allow_hyphen_values = true)]
+    pub(super) indirection: Option<[u32; 2]>,
+    /// Largest polar angle of these views, above 0, up to 90 degrees (default: 80). Steeper views look like this one.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub(super) largest_angle: Option<f64>,
+    /// Rays per texel and axis for each of these views, 1 to 16 (default: 2).
+    #[arg(long, value_name = "N", value_parser = whole_number::<u32>(1..=16))]
+    pub(super) oversampling: Option<u32>,
+    /// Store these views in two bytes each instead of eight, for at most 128 x 128 blocks of texels: a fifteenth of the bytes
+    /// with 256 texels, at a larger error. Takes 5 fetches instead of 2.
+    #[arg(long)]
+    pub(super) compact: bool,
+    /// Shadows with an indirection map (default: lights).
+    #[arg(long, value_parser = one_of(&SHADOWS))]
+    pub(super) shadows: Option<Shadows>,
     /// Form of the reflectance (default: auto).
     #[arg(long, value_parser = one_of(&REFLECTANCES), default_value = "auto")]
     pub(super) reflectance: Reflectance,
@@ -62,7 +82,7 @@ pub struct Arguments {
     /// angle. For example, grid:2x6@50 has 1 + 6 = 7 directions.
     #[arg(long, value_name = "SET")]
     pub(super) views: Option<Input>,
-    /// Lights, in the same form (default: the set of --views).
+    /// Lights of factors and of the shadows of an indirection map, in the same form (default: the set of --views).
     #[arg(long, value_name = "SET")]
     pub(super) lights: Option<Input>,
     /// Method that fills texels that a view does not see, for factors (default: poisson).
@@ -86,14 +106,45 @@ pub struct Arguments {
     /// Format of these images: png (8 bits, sRGB) or exr (16-bit floats, linear) (default: png).
     #[arg(long, value_parser = one_of(&IMAGE_FORMATS))]
     pub(super) image_format: Option<StackFormat>,
+    /// Also write the raw flat BTF into a new or empty folder, as EXR files for other compressors: flat/ has the images of all
+    /// --views and --lights with filled holes, masks/ the texels that each view sees, reference.exr the parameters that the
+    /// view along the normal sees, and displacements/ those of each view less them.
+    #[arg(long, value_name = "DIR")]
+    pub(super) write_flat: Option<PathBuf>,
     /// Store texels uncompressed, without Zstandard.
     #[arg(long)]
     pub(super) no_supercompression: bool,
 }
 
+/// Form of the relief.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Relief {
+    Layers,
+    Vdim,
+}
+
+/// Shadows of an indirection map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shadows {
+    Lights,
+    Omitted,
+}
+
 /// Allowed numbers of texels per side.
 pub(super) const TEXELS: &str = "a power of two from 4 to 2048, because each mipmap level halves the size";
 
+const RELIEFS: [(&str, Relief, &str); 2] = [
+    ("layers", Relief::Layers, "Heights through which rays march: small and sharp, with outlines and exact shadows"),
+    (
+        "vdim",
+        Relief::Vdim,
+        "View-dependent indirection map of Hadim et al. 2009: at most 8 fetches for any relief, many times the bytes",
+    ),
+];
+const SHADOWS: [(&str, Shadows, &str); 2] = [
+    ("lights", Shadows::Lights, "Those of --lights, blended between three of them"),
+    ("none", Shadows::Omitted, "Every light above a texel's normal reaches it"),
+];
 const FILLS: [(&str, FillMethod, &str); 2] = [
     ("poisson", FillMethod::Poisson, "Blend gradients of the view that is closest to the normal"),
     ("push-pull", FillMethod::PushPull, "Average visible neighbours: faster, as in Hadim et al. 2009"),
@@ -114,6 +165,7 @@ fn after_help() -> String {
         "Structures:\n{}\nExamples:\n  brdfc flatten synth:button -o button\n  \
          brdfc flatten synth:button -o small --texels 64\n  \
          brdfc flatten 'synth:knit?count=6' -o wool --texels 128\n  \
+         brdfc flatten synth:button -o fixed-cost --texels 128 --relief vdim --indirection 16x16\n  \
          brdfc flatten bricks.obj --material clay=clay.binary --material 'synth:lambert?kd=0.4' -o bricks\n  \
          brdfc flatten relief.png --height-scale 0.2 --colour relief-colour.png -o relief\n  \
          brdfc flatten corduroy/ --geometry corduroy-height.exr -o corduroy-flat",

@@ -41,7 +41,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     recipe.check().map_err(|error| Error::usage(by_flags(&error)))?;
     make_folder(&arguments.out)?;
-    arguments.write_images.as_deref().map(make_folder).transpose()?;
+    for folder in [&arguments.write_images, &arguments.write_flat].into_iter().flatten() {
+        make_folder(folder)?;
+    }
     let steps = Steps::new(common, interrupt::watch()?);
     let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
@@ -52,6 +54,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         supercompress: !arguments.no_supercompression,
         surface,
         images,
+        raw: arguments.write_flat.as_deref(),
     };
     let asset = flatten(job, &steps)?;
     drop(steps);

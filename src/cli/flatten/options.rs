@@ -1,12 +1,14 @@
 //! Conversion of the flags of `brdfc flatten` to recipes, with checks of ranges and combinations.
 
-use super::arguments::{Arguments, TEXELS};
+use super::arguments::{Arguments, Relief, Shadows, TEXELS};
 use crate::Error;
 use crate::directions::{default_set, direction_set};
 use crate::inputs::refuse_stdin_twice;
 use crate::output::{check_folder, refuse_flags, refuse_overwriting, refuse_same_outputs};
 use brdfc::Input;
-use brdfc::flatten::{FactoredTarget, FillMethod, FlattenRecipe, MesoOptions, Reflectance, is_device};
+use brdfc::flatten::{
+    FactoredTarget, FillMethod, FlattenRecipe, MesoOptions, Reflectance, ReliefForm, VdimRecipe, is_device,
+};
 use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -44,21 +46,23 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     let inputs: Vec<&Path> = inputs.filter_map(Input::path).collect();
     refuse_overwriting("--out", &arguments.out.join(format!("{name}.ktx2")), &inputs)?;
     refuse_same_outputs(&[("MESO", arguments.meso.path()), ("--out", Some(&arguments.out))])?;
-    let Some(images) = arguments.write_images.as_deref() else {
-        if arguments.image_format.is_some() {
-            return Err(Error::usage("--image-format requires --write-images"));
-        }
-        return Ok(());
-    };
-    refuse_same_outputs(&[("--out", Some(&arguments.out)), ("--write-images", Some(images))])?;
-    check_folder(images)?;
-    if arguments.bounces > 0 {
-        let text = "--write-images does not apply to --bounces: the images would lack the light of bounces";
-        return Err(Error::usage(text));
+    if arguments.image_format.is_some() && arguments.write_images.is_none() {
+        return Err(Error::usage("--image-format requires --write-images"));
     }
-    if std::fs::read_dir(images).is_ok_and(|mut entries| entries.next().is_some()) {
-        let text = format!("--write-images: {} is not empty; choose a new or empty folder", images.display());
-        return Err(Error::usage(text));
+    let [images, flat] = [("--write-images", &arguments.write_images), ("--write-flat", &arguments.write_flat)]
+        .map(|(flag, folder)| (flag, folder.as_deref()));
+    refuse_same_outputs(&[("--out", Some(&arguments.out)), images, flat])?;
+    for (flag, folder) in [images, flat] {
+        let Some(folder) = folder else { continue };
+        check_folder(folder)?;
+        if arguments.bounces > 0 {
+            let text = format!("{flag} does not apply to --bounces: the images would lack the light of bounces");
+            return Err(Error::usage(text));
+        }
+        if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
+            let text = format!("{flag}: {} is not empty; choose a new or empty folder", folder.display());
+            return Err(Error::usage(text));
+        }
     }
     Ok(())
 }
@@ -165,7 +169,7 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
     }
     let brdf = arguments.reflectance == Reflectance::Brdf;
     let of_factors = [
-        (arguments.fill.is_some(), "--fill"),
+        (arguments.fill.is_some() && arguments.write_flat.is_none(), "--fill"),
         (arguments.bounces > 0, "--bounces"),
         (arguments.max_bytes.is_some(), "--max-bytes"),
     ];
@@ -211,6 +215,7 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
     let lights = arguments.lights.as_ref().map_or(Ok(views.clone()), |lights| direction_set("lights", lights))?;
     Ok(FlattenRecipe {
         texels: arguments.texels,
+        relief: relief(arguments)?,
         flat_texels,
         views,
         lights,
@@ -219,6 +224,41 @@ pub(super) fn recipe(arguments: &Arguments) -> Result<FlattenRecipe, Error> {
         reflectance: arguments.reflectance,
         target: target(arguments)?,
     })
+}
+
+/// Views of an indirection map: the paper's choice.
+const INDIRECTION: [u32; 2] = [16, 16];
+const LARGEST_ANGLE: f64 = 80.0;
+const OVERSAMPLING: u32 = 2;
+
+/// Resolves the form of the relief.
+fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
+    let Arguments { indirection, largest_angle, oversampling, shadows, .. } = arguments;
+    if arguments.relief == Relief::Layers {
+        let of = "--relief vdim";
+        let flags = [
+            (indirection.is_some(), "--indirection", of),
+            (largest_angle.is_some(), "--largest-angle", of),
+            (oversampling.is_some(), "--oversampling", of),
+            (arguments.compact, "--compact", of),
+            (shadows.is_some(), "--shadows", of),
+        ];
+        refuse_flags("--relief layers", &flags)?;
+        return Ok(ReliefForm::Layers);
+    }
+    let largest_angle = largest_angle.unwrap_or(LARGEST_ANGLE);
+    if !(largest_angle > 0.0 && largest_angle <= 90.0) {
+        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 90 degrees"));
+    }
+    let [polar_angles, azimuth_rows] = indirection.unwrap_or(INDIRECTION);
+    Ok(ReliefForm::Vdim(VdimRecipe {
+        polar_angles,
+        azimuth_rows,
+        largest_angle,
+        oversampling: oversampling.unwrap_or(OVERSAMPLING),
+        shadows: shadows.unwrap_or(Shadows::Lights) == Shadows::Lights,
+        compact: arguments.compact,
+    }))
 }
 
 /// Default mean ΔE of the reflectance over visible texels: well below a visible difference side by side.

@@ -5,6 +5,7 @@ mod files;
 pub use files::FilesReport;
 
 use super::output::{json_or, print, print_json, printable};
+use super::reading::ReadingOptions;
 use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
@@ -41,6 +42,8 @@ pub struct Arguments {
     /// Base64 and the required features of a device. Loaders of ordinary KTX2 files drop this metadata.
     #[arg(long)]
     files: bool,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.
@@ -104,6 +107,7 @@ pub struct SurfaceReport {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let input = &arguments.input;
+    let reading = arguments.reading.reading(None, &[input])?;
     if arguments.files {
         let file = input.path().map(flat_btf_file).transpose()?.flatten();
         return files::run(&file.map_or_else(|| input.clone(), Input::File), common);
@@ -138,7 +142,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let contents = match contents {
         Some(contents) => contents,
-        None => reflectance(open(input, None).map_err(with_structures)?),
+        None => reflectance(open(input, reading).map_err(with_structures)?),
     };
     let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
     let mut lines = contents_lines(&contents);

@@ -110,6 +110,7 @@ impl Asset {
             images: lights.fitted.iter().map(|light| images[*light].clone().into()).collect(),
             near: None,
             repeats: true,
+            views: None,
             defined: self.mask(view).filter(|mask| mask.contains(&true)).map(<[bool]>::to_vec),
         }
     }

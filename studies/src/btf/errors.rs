@@ -59,7 +59,7 @@ struct Compared {
     labs: Vec<[f32; 3]>,
 }
 
-fn codes(mut colours: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+pub(super) fn codes(mut colours: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     let values = colours.as_flattened_mut();
     values.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
     Domain::Display.encode_each(values);

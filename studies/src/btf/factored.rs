@@ -4,7 +4,7 @@ use super::assets::Asset;
 use super::errors::{Errors, Truth};
 use super::lights::Lights;
 use super::rows::{BtfRow, Tally};
-use brdfc_flat_btf::factored::{FactorError, FactoredRecipe, FactoredTarget, factor};
+use brdfc_flat_btf::factored::{FactorError, Factored, FactoredRecipe, FactoredTarget, factor};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_set::DirectionSet;
@@ -32,34 +32,7 @@ pub(super) fn factored(
     view_done: &dyn Fn(),
 ) -> Result<BtfRow, FormatError> {
     let start = Instant::now();
-    let radians = |[polar, azimuth]: &[f64; 2]| {
-        // In f32 a full turn is not below the maximum.
-        let azimuth = azimuth.to_radians().rem_euclid(std::f64::consts::TAU) as f32;
-        [polar.to_radians() as f32, if azimuth < std::f32::consts::TAU { azimuth } else { 0.0 }]
-    };
-    let header = |view: u32| FlatHeader {
-        size: asset.size as u32,
-        view,
-        views: set.angles.iter().map(radians).collect(),
-        lights: lights.fitted.iter().map(|light| radians(&set.angles[*light])).collect(),
-    };
-    let view = |view: u32| {
-        let words = lights.fitted.iter().flat_map(|light| asset.light(view as usize, *light)).copied();
-        FlatView::new(header(view), words.collect())
-    };
-    let texels = asset.size * asset.size;
-    let mask = |directions: &[usize]| {
-        let byte = |view: usize, texel: usize| if asset.mask(view).is_none_or(|mask| mask[texel]) { 255 } else { 0 };
-        let bytes = directions.iter().flat_map(|view| (0..texels).map(move |texel| byte(*view, texel)));
-        VisibilityMask::new(asset.size as u32, directions.len() as u32, bytes.collect())
-    };
-    let seen = mask(&(0..asset.views()).collect::<Vec<_>>())?;
-    let lit = mask(&lights.fitted)?;
-    let made = factor(&FactoredRecipe::new(target), &asset.normals, &seen, Some(&lit), view, &());
-    let made = made.map_err(|error| match error {
-        FactorError::View(error) | FactorError::Format(error) => error,
-        FactorError::Cancelled(_) => unreachable!("it is never cancelled"),
-    })?;
+    let made = factors(target, asset, (set, &(0..asset.views()).collect::<Vec<_>>()), lights)?;
     let seconds = start.elapsed().as_secs_f64();
 
     let mut errors = Errors::default();
@@ -78,7 +51,47 @@ pub(super) fn factored(
     Ok(BtfRow { held_out_texels_delta_e: Some(f64::from(made.facts.errors.seen_mean)), ..row })
 }
 
-fn single(direction: Vector) -> [f32; 3] {
+/// Factors some views of a BTF at the fitted lights.
+///
+/// # Errors
+/// Returns an error for a size or directions that a flat BTF cannot have.
+pub(super) fn factors(
+    target: FactoredTarget,
+    asset: &Asset,
+    (set, views): (&DirectionSet, &[usize]),
+    lights: &Lights,
+) -> Result<Factored, FormatError> {
+    let radians = |[polar, azimuth]: &[f64; 2]| {
+        // In f32 a full turn is not below the maximum.
+        let azimuth = azimuth.to_radians().rem_euclid(std::f64::consts::TAU) as f32;
+        [polar.to_radians() as f32, if azimuth < std::f32::consts::TAU { azimuth } else { 0.0 }]
+    };
+    let header = |view: u32| FlatHeader {
+        size: asset.size as u32,
+        view,
+        views: views.iter().map(|view| radians(&set.angles[*view])).collect(),
+        lights: lights.fitted.iter().map(|light| radians(&set.angles[*light])).collect(),
+    };
+    let view = |view: u32| {
+        let words = lights.fitted.iter().flat_map(|light| asset.light(views[view as usize], *light)).copied();
+        FlatView::new(header(view), words.collect())
+    };
+    let texels = asset.size * asset.size;
+    let mask = |directions: &[usize]| {
+        let byte = |view: usize, texel: usize| if asset.mask(view).is_none_or(|mask| mask[texel]) { 255 } else { 0 };
+        let bytes = directions.iter().flat_map(|view| (0..texels).map(move |texel| byte(*view, texel)));
+        VisibilityMask::new(asset.size as u32, directions.len() as u32, bytes.collect())
+    };
+    let seen = mask(views)?;
+    let lit = mask(&lights.fitted)?;
+    let made = factor(&FactoredRecipe::new(target), &asset.normals, &seen, Some(&lit), view, &());
+    made.map_err(|error| match error {
+        FactorError::View(error) | FactorError::Format(error) => error,
+        FactorError::Cancelled(_) => unreachable!("it is never cancelled"),
+    })
+}
+
+pub(super) fn single(direction: Vector) -> [f32; 3] {
     direction.map(|c| c as f32)
 }
 

@@ -11,7 +11,7 @@ use brdfc_formats::pwt::{Domain, LightBasis, LightCoordinates};
 use brdfc_pwt::candidates::Candidate;
 use brdfc_pwt::design::Design;
 use brdfc_pwt::image::Plane;
-use brdfc_pwt::levels::{BASES, TermImages, magnified, range, term_images};
+use brdfc_pwt::levels::{BASES, Borders, TermImages, magnified, range, term_images};
 use brdfc_pwt::tree::{PacketTree, Transform};
 use brdfc_pwt::{Border, DomainName, Wavelet, fit};
 use rayon::prelude::*;
@@ -119,7 +119,7 @@ impl<'a> Joint<'a> {
             let share = |texel: usize| masks.iter().filter(|mask| mask[texel]).count() as f32 / masks.len() as f32;
             counts.values = (0..texels).map(share).collect();
         }
-        let images = term_images(&tree, &coefficients, &counts, true);
+        let images = term_images(&tree, &coefficients, &counts, Borders::of_one(true));
         let steps = steps(&images);
         Self { asset, lights, domain, light, view, images, steps, depth, seconds: start.elapsed().as_secs_f64() }
     }
@@ -218,7 +218,7 @@ fn stored(image: &TermImages, base: u32) -> Plane {
     let inverse = if scale > 0.0 { 1.0 / scale } else { 0.0 };
     let rounded = |value: &f32| low + scale * ((value - low) * inverse).round();
     let plane = Plane { size: levels[0].size, values: levels[0].values.iter().map(rounded).collect() };
-    magnified(&plane, base, true)
+    magnified(&plane, base, Borders::of_one(true))
 }
 
 #[cfg(test)]

@@ -12,7 +12,8 @@ mod per_view;
 mod rows;
 mod steps;
 mod study;
+mod whole;
 
 pub use drawing::drawing;
-pub use rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, BtfStudy};
-pub use study::{BtfStudyError, PARTS, held_out, study_structure};
+pub use rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, BtfStudy, MipmapRow, WholeBtf, WholeRow};
+pub use study::{BtfStudyError, PARTS, held_out, held_out_views, study_structure};

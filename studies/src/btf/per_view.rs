@@ -116,7 +116,8 @@ impl<'a> View<'a> {
 
     fn packed(&self, pack: PwtPack, seconds: f64) -> Tally {
         let (bytes, fetches) = (pack.gpu_bytes(), f64::from(pack.header().fetches()));
-        let shown = images_of_pack(&PwtDecoder::new(pack), self.lights.directions.clone()).into_linear();
+        let shown =
+            images_of_pack(&PwtDecoder::new(pack), [0.0, 0.0, 1.0], self.lights.directions.clone()).into_linear();
         self.tally(&shown, bytes, BLENDED_VIEWS * fetches, seconds)
     }
 

@@ -14,6 +14,8 @@ pub struct BtfSettings {
     pub count: usize,
     /// Lights that are held out of all methods until they are measured: indices into the set, ascending.
     pub held_out: Vec<usize>,
+    /// Views that are held out where all views are stored in one asset: indices into the set, ascending.
+    pub held_out_views: Vec<usize>,
 }
 
 /// Result of a method to store a BTF, made from all lights except those held out. Errors are means over all views and,
@@ -66,6 +68,49 @@ pub struct BtfClaims {
     pub flat_met: bool,
 }
 
+/// Result of a method that stores all views, made without the held-out views and lights of an ordinary BTF.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct WholeRow {
+    /// Name of the method.
+    pub method: String,
+    /// Bytes that the method may take.
+    pub budget: u64,
+    /// Bytes on a GPU, including mipmaps.
+    pub bytes: u64,
+    /// PSNR of sRGB values at fitted views and lights, dB.
+    pub psnr: f64,
+    /// PSNR at fitted views and held-out lights, dB.
+    pub held_out_lights_psnr: f64,
+    /// PSNR at held-out views and fitted lights, dB.
+    pub held_out_views_psnr: f64,
+    /// PSNR at held-out views and lights, dB.
+    pub held_out_both_psnr: f64,
+    /// Mean ΔE (CIE76) at held-out views and lights.
+    pub held_out_both_delta_e: f64,
+}
+
+/// A level of detail of trees, against means of the BTF's images over its texels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct MipmapRow {
+    /// Level, 1 at half the size.
+    pub level: u32,
+    /// PSNR of sRGB values of the level, dB.
+    pub psnr: f64,
+    /// PSNR of the means of the whole images that the trees show, as plain mipmaps of every image would be, dB.
+    pub box_psnr: f64,
+}
+
+/// Methods that store all views of an ordinary BTF in one asset, at equal bytes.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct WholeBtf {
+    /// Indices of the held-out views, ascending.
+    pub held_out_views: Vec<usize>,
+    /// One row for each method and number of bytes.
+    pub rows: Vec<WholeRow>,
+    /// Levels of the trees with common terms, at the first number of bytes.
+    pub mipmaps: Vec<MipmapRow>,
+}
+
 /// Results for one structure.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BtfModel {
@@ -75,6 +120,8 @@ pub struct BtfModel {
     pub classic: BtfAsset,
     /// Its flat BTF: values on the surface's own parameters.
     pub flat: BtfAsset,
+    /// The ordinary BTF without some views and lights.
+    pub whole: WholeBtf,
     /// Comparison with the claims.
     pub claims: BtfClaims,
 }

@@ -6,6 +6,7 @@ use super::joint::Joint;
 use super::lights::Lights;
 use super::per_view::{FIRST, View};
 use super::rows::{BtfAsset, BtfClaims, BtfModel, BtfRow, BtfSettings, Tally};
+use super::whole::Whole;
 use brdfc_core::address::AddressError;
 use brdfc_flat_btf::factored::{FactoredTarget, max_cells};
 use brdfc_flat_btf::model::MesoModel;
@@ -30,7 +31,8 @@ const MAX_SHARE: f64 = 0.5;
 const GOOD: f64 = 1.0;
 
 /// Units of progress per view of one structure, about proportional to seconds.
-pub const PARTS: usize = 2 * (MAKE + FIRST_PASS + AT_ERROR + 2 * JOINT_DEGREES.len() * JOINT + 3 * FACTORED);
+pub const PARTS: usize = WHOLE + 2 * (MAKE + FIRST_PASS + AT_ERROR + 2 * JOINT_DEGREES.len() * JOINT + 3 * FACTORED);
+const WHOLE: usize = 12;
 const MAKE: usize = 1;
 const FIRST_PASS: usize = 12;
 const AT_ERROR: usize = 10;
@@ -56,10 +58,22 @@ pub enum BtfStudyError {
 /// # Errors
 /// Returns an error for fewer than five.
 pub fn held_out(count: usize) -> Result<Vec<usize>, FormatError> {
+    held_out_by(count, SEED)
+}
+
+/// Indices of the held-out views, likewise.
+///
+/// # Errors
+/// Returns an error for fewer than five.
+pub fn held_out_views(count: usize) -> Result<Vec<usize>, FormatError> {
+    held_out_by(count, SEED + 1)
+}
+
+fn held_out_by(count: usize, seed: u64) -> Result<Vec<usize>, FormatError> {
     if count < 5 {
         return Err(FormatError::whole("directions", count.to_string(), "5 or more"));
     }
-    let mut lights = permutation(count, SEED);
+    let mut lights = permutation(count, seed);
     lights.truncate(HELD_OUT.min(count / 5));
     lights.sort_unstable();
     Ok(lights)
@@ -83,11 +97,15 @@ pub fn study_structure(
     let directions = set.directions();
     let lights = Lights::new(set, &settings.held_out)?;
     let surface = Surface { model: &model, appearance: &appearance, directions: &directions, size: settings.texels };
-    let classic = ways(&surface.classic(&|| done(MAKE)), (set, &lights), None, done)?;
+    let ordinary = surface.classic(&|| done(MAKE));
+    let views = Lights::new(set, &settings.held_out_views)?;
+    let whole = Whole { asset: &ordinary, set, views, lights: &lights }.study()?;
+    done(WHOLE * set.len());
+    let classic = ways(&ordinary, (set, &lights), None, done)?;
     let maps = classic.row(FIRST[MAP]).map(|row| row.delta_e);
     let flat = ways(&surface.flat(&|| done(MAKE)), (set, &lights), maps, done)?;
     let claims = BtfClaims::of(&classic, &flat);
-    Ok(BtfModel { model: structure.canonical(), classic, flat, claims })
+    Ok(BtfModel { model: structure.canonical(), classic, flat, whole, claims })
 }
 
 /// Index in the first pass of the method that others are compared with.

@@ -7,16 +7,23 @@ use super::figures::{ApparentBrdf, apparent_figure, variance_figure};
 use super::grids::grid_errors;
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, StudySettings};
-use super::vdim::{OVERSAMPLING, indirection};
 use brdfc_core::address::AddressError;
-use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, visible};
+use brdfc_flat_btf::compact::{ParameterHeights, texels_of_block};
+use brdfc_flat_btf::encode::EncodeError;
+use brdfc_flat_btf::factored::known;
+use brdfc_flat_btf::light_field::{ComputedField, FillGuide, FlattenedView, Holes, from_above, projected, visible};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::parameterise::ParameteriseError;
 use brdfc_flat_btf::structures::Structure;
+use brdfc_flat_btf::surface::{Appearance, SurfacePoint};
+use brdfc_flat_btf::texels::texel_surface;
+use brdfc_flat_btf::vdim::{MeasuredVdim, OVERSAMPLING};
 use brdfc_formats::container::rgb9e5;
 use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, Relief, Vdim};
 use brdfc_render::rendering::Panel;
 use rayon::prelude::*;
+use std::convert::Infallible;
 
 /// Errors of studying a model.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +34,9 @@ pub enum StudyError {
     /// The surface cannot be parameterised.
     #[error(transparent)]
     Parameterise(#[from] ParameteriseError),
+    /// The surface cannot be encoded.
+    #[error(transparent)]
+    Encode(#[from] EncodeError<Infallible>),
 }
 
 /// Statistics for one light.
@@ -79,9 +89,9 @@ pub fn study_model(
     let (chosen, flat_picks, btf_picks) = picks(&model, settings);
     let (mut flat_apparent, mut btf_apparent) = (Apparent::new(flat_picks), Apparent::new(btf_picks));
     let mut images = Vec::new();
-    let map = indirection(&model, settings.map_header(), OVERSAMPLING);
+    let maps = stored_maps(&model, &appearance, settings)?;
     for (view, direction) in directions.iter().enumerate() {
-        let look_ups = LookUps::new(&model, &map, *direction, settings);
+        let look_ups = LookUps::new(&model, &maps, *direction, settings);
         let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, statistics): (usize, &mut PerLight)| {
@@ -131,12 +141,38 @@ pub fn study_model(
             visible: spread(&visible),
         },
         apparent,
-        grids: grid_errors(&model),
+        grids: grid_errors(&model)?,
         parameterisation: model.parameterisation.report,
         seen: masks.iter().flatten().filter(|seen| **seen).count() as f64 / (count * flat) as f64,
         paper,
     };
     Ok((row, figures))
+}
+
+/// The indirection map and its compact form as files hold them, with the reflectance of the materials.
+fn stored_maps(
+    model: &MesoModel,
+    appearance: &Appearance,
+    settings: &StudySettings,
+) -> Result<[Vdim; 2], EncodeError<Infallible>> {
+    let header = settings.map_header();
+    let measured = MeasuredVdim::new(model, header, OVERSAMPLING, &())?;
+    let heights = ParameterHeights::new(model, &header);
+    let maps = [measured.map()?, measured.compact(texels_of_block(header.size), &heights)?];
+    let shares = |point: &SurfacePoint| appearance.shares(point);
+    let surface = texel_surface(&model.mesh, &model.parameterisation.coordinates, settings.flat_texels, shares);
+    let counts = projected(&model.texels(settings.flat_texels), &model.caster);
+    let made = known(&appearance.sources, &surface, settings.flat_texels as u32, &counts)?;
+    let reflectance = made.expect("structures have at most two materials").asset;
+    let stored = |map: &Vdim| -> Result<Vdim, EncodeError<Infallible>> {
+        let parts = FlatBtfParts::new(Relief::sampled(map.clone(), None)?, reflectance.clone());
+        let file = FlatBtfFile::new(FlatBtfDecoder::new(parts))?.to_bytes(false);
+        match FlatBtfFile::from_bytes(&file)?.decoder.into_parts().relief {
+            Relief::Vdim(map, _) => Ok(map),
+            Relief::Layers(_) => unreachable!("a file keeps its form of relief"),
+        }
+    };
+    Ok([stored(&maps[0])?, stored(&maps[1])?])
 }
 
 /// Texels whose apparent BRDFs are compared: first the paper's two (one surface point in both, then the same texel in

@@ -8,7 +8,6 @@ mod measure;
 mod paper;
 mod reconstruction;
 mod rows;
-pub mod vdim;
 
 pub use apparent::{ApparentSizes, TexelSizes};
 pub use grids::{GridRow, grid_errors};

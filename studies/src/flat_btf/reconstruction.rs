@@ -1,10 +1,11 @@
 //! Table 1: images rebuilt by equation 1, compared with images of the surface.
 
 use super::rows::{AngleErrors, ImageErrors, ReconstructionRow, StudySettings};
-use super::vdim::{OVERSAMPLING, Vdim, seen_through_texels};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::rebuild::{ViewImage, sample_bilinear};
+use brdfc_flat_btf::vdim::{OVERSAMPLING, seen_through_texels};
 use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::Vdim;
 use brdfc_metrics::lab::{distance_squared, lab};
 use std::collections::BTreeMap;
 
@@ -13,15 +14,18 @@ use std::collections::BTreeMap;
 pub(super) struct LookUps {
     pub(super) seen: ViewImage,
     blended: Vec<[f32; 2]>,
+    compact: Vec<[f32; 2]>,
     unblended: Vec<[f32; 2]>,
 }
 
 impl LookUps {
     /// Look-ups of one view.
-    pub(super) fn new(model: &MesoModel, map: &Vdim, view: Vector, settings: &StudySettings) -> Self {
+    pub(super) fn new(model: &MesoModel, maps: &[Vdim; 2], view: Vector, settings: &StudySettings) -> Self {
+        let [blended, compact] = maps.each_ref().map(|map| map.parameters(view.map(|c| c as f32)));
         Self {
             seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
-            blended: map.parameters(view),
+            blended,
+            compact,
             unblended: seen_through_texels(model, view, settings.texels, OVERSAMPLING),
         }
     }
@@ -38,6 +42,7 @@ impl LookUps {
         let of = |rebuilt: Vec<[f32; 3]>| Difference::new(&direct, &rebuilt);
         ImageDifferences {
             through_map: of(sample_bilinear(inpainted, &self.blended)),
+            compact: of(sample_bilinear(inpainted, &self.compact)),
             push_pull: of(sample_bilinear(filled, &self.blended)),
             unblended: of(sample_bilinear(inpainted, &self.unblended)),
             exact_rays: of(self.seen.rebuilt(inpainted)),
@@ -69,6 +74,7 @@ impl Difference {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ImageDifferences {
     pub(super) through_map: Difference,
+    compact: Difference,
     push_pull: Difference,
     unblended: Difference,
     pub(super) exact_rays: Difference,
@@ -97,6 +103,7 @@ pub(super) fn row(images: &[ImageDifferences], views: &[Vector]) -> Reconstructi
     ReconstructionRow {
         through_map: errors(images.iter().map(|image| image.through_map)),
         exact_rays: errors(images.iter().map(|image| image.exact_rays)),
+        mean_compact: mean(images.iter().map(|image| image.compact.mean)),
         mean_push_pull: mean(images.iter().map(|image| image.push_pull.mean)),
         mean_unblended: mean(images.iter().map(|image| image.unblended.mean)),
         angles: rings.values().map(ring).collect(),
@@ -127,19 +134,20 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::vdim::indirection;
     use super::*;
     use brdfc_flat_btf::light_field::{ComputedField, FlattenedView, Holes, visible};
     use brdfc_flat_btf::structures::Structure;
     use brdfc_flat_btf::surface::Appearance;
+    use brdfc_flat_btf::vdim::MeasuredVdim;
     use brdfc_formats::direction::from_polar;
+    use brdfc_formats::flat_btf::SeenPoint;
 
     fn settings(texels: usize, flat_texels: usize) -> StudySettings {
         StudySettings {
             texels,
             flat_texels,
             oversampling: 1,
-            indirection: [8, 12],
+            indirection: [8, 13],
             largest_angle: 80.0,
             rounds: 0,
             directions: String::new(),
@@ -158,7 +166,7 @@ mod tests {
         fn new(address: &str, settings: StudySettings) -> Self {
             let structure = Structure::parse(address).unwrap();
             let model = MesoModel::new(structure.mesh(), 0, &()).unwrap();
-            let map = indirection(&model, settings.map_header(), OVERSAMPLING);
+            let map = MeasuredVdim::new(&model, settings.map_header(), OVERSAMPLING, &()).unwrap().map().unwrap();
             Self { model, appearance: structure.appearance(), settings, map }
         }
 
@@ -170,7 +178,7 @@ mod tests {
             let field = ComputedField::new(&texels, &self.appearance, &views, &lights, &lit);
             let mask = visible(&texels, &self.model.caster, view);
             let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
-            let look_ups = LookUps::new(&self.model, map, view, &self.settings);
+            let look_ups = LookUps::new(&self.model, &[map.clone(), map.clone()], view, &self.settings);
             let direct = look_ups.seen.direct(&self.model, &self.appearance, lights[0]);
             look_ups.differences(&direct, &flat, &flat)
         }
@@ -200,11 +208,21 @@ mod tests {
         let case = Case::new("folds?resolution=48", settings(32, 64));
         let view = from_polar(0.8, 0.6);
         let good = case.differences(&case.map, view);
-        let mut shifted = case.map.clone();
-        shifted.reference.iter_mut().for_each(|[u, _]| *u += 0.2);
-        let Vdim { header, reference, .. } = case.map.clone();
-        let none = std::iter::repeat_n(([0.0; 2], 0.0), header.samples() as usize);
-        let without_distances = Vdim::new(header, reference, none);
+        let (map, header) = (&case.map, *case.map.header());
+        let references = |moved: f32| -> Vec<[f32; 2]> {
+            let reference = |at: u32| map.reference([at % header.size, at / header.size], 0);
+            (0..header.size * header.size).map(|at| [reference(at)[0] + moved, reference(at)[1]]).collect()
+        };
+        let stored = |texel: [u32; 2], k, a| {
+            let [polar, azimuth] = header.view_angles(k, a);
+            let centre = texel.map(|at| (at as f32 + 0.5) / header.size as f32);
+            let (seen, height) = map.seen(centre, from_polar(polar, azimuth).map(|c| c as f32), 0.0);
+            let reference = map.reference(texel, 0);
+            SeenPoint { displacement: [0, 1].map(|c| seen[c] - centre[c] - reference[c]), height }
+        };
+        let shifted = Vdim::of_views(header, references(0.2), stored).unwrap();
+        let nearby = |_, _, _| SeenPoint { displacement: [0.0; 2], height: 0.0 };
+        let without_distances = Vdim::of_views(header, references(0.0), nearby).unwrap();
         for wrong in [shifted, without_distances] {
             let bad = case.differences(&wrong, view);
             assert!(bad.through_map.mean > 2.0 * good.through_map.mean, "{bad:?} {good:?}");
@@ -218,7 +236,7 @@ mod tests {
         // The share of texels at which the two differ by less than a texel of the map; the rest are edges.
         let close = |case: &Case, view: Vector, through: Vector| {
             let size = case.settings.texels;
-            let blended = case.map.parameters(through);
+            let blended = case.map.parameters(through.map(|c| c as f32));
             let is_close = |texel: &usize| {
                 let at = [texel % size, texel / size].map(|c| (c as f64 + 0.5) / size as f64);
                 let real = case.model.seen(at, view).parameters;
@@ -249,7 +267,13 @@ mod tests {
         let images: Vec<ImageDifferences> = (0..8)
             .map(|k| {
                 let through_map = of(f64::from(k));
-                ImageDifferences { through_map, push_pull: of(2.0), unblended: of(1.0), exact_rays: of(0.5) }
+                ImageDifferences {
+                    through_map,
+                    compact: of(3.0),
+                    push_pull: of(2.0),
+                    unblended: of(1.0),
+                    exact_rays: of(0.5),
+                }
             })
             .collect();
         let row = row(&images, &views);
@@ -259,5 +283,6 @@ mod tests {
         assert_eq!(row.angles, expected);
         let expected = ImageErrors { mean: 3.5, largest_image: 7.0, image_variance: 5.25, largest_texel: 70.0 };
         assert_eq!((row.through_map, row.mean_push_pull, row.mean_unblended), (expected, 2.0, 1.0));
+        assert_eq!(row.mean_compact, 3.0);
     }
 }

@@ -3,7 +3,7 @@
 use super::apparent::ApparentSizes;
 use super::grids::GridRow;
 use super::paper::PaperModel;
-use super::vdim::VdimHeader;
+use brdfc_formats::flat_btf::VdimHeader;
 use serde::Serialize;
 
 /// Settings of the study.
@@ -15,7 +15,7 @@ pub struct StudySettings {
     pub flat_texels: usize,
     /// Rays per texel and axis.
     pub oversampling: usize,
-    /// Polar angles and azimuths of the indirection map, which has as many texels as the images.
+    /// Polar angles and rows of azimuths of the indirection map, which has as many texels as the images.
     pub indirection: [u32; 2],
     /// Its largest polar angle, degrees.
     pub largest_angle: f64,
@@ -30,9 +30,17 @@ pub struct StudySettings {
 impl StudySettings {
     /// The header of the map.
     pub(super) fn map_header(&self) -> VdimHeader {
-        let [zenith_samples, azimuth_samples] = self.indirection;
+        let [polar_angles, azimuth_rows] = self.indirection;
         let largest_angle = self.largest_angle.to_radians() as f32;
-        VdimHeader { size: self.texels as u32, zenith_samples, azimuth_samples, largest_angle }
+        VdimHeader {
+            size: self.texels as u32,
+            block: 1,
+            polar_angles,
+            azimuth_rows,
+            largest_angle,
+            levels: 1,
+            lights: 0,
+        }
     }
 }
 
@@ -67,6 +75,8 @@ pub struct ReconstructionRow {
     pub through_map: ImageErrors,
     /// With exact rays instead of the map: errors of the flat BTF alone.
     pub exact_rays: ImageErrors,
+    /// Mean through the map with compact samples.
+    pub mean_compact: f64,
     /// Mean through the map, holes filled by push-pull.
     pub mean_push_pull: f64,
     /// Mean with a map that contains each view, which excludes errors of blending the map's views.

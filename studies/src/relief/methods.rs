@@ -1,13 +1,11 @@
 //! The methods.
 
-use super::rows::ReliefSettings;
 use super::shadows::SampledShadows;
-use crate::flat_btf::vdim::{OVERSAMPLING, Vdim, VdimHeader, indirection};
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::SurfacePoint;
 use brdfc_formats::container::half;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MacroSurface, MarchSteps};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MacroSurface, MarchSteps, Relief};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatMaterial, Tiles, draw_on_cpu, draw_tiles};
 use brdfc_render::scene::{Frame, Scene};
@@ -43,10 +41,6 @@ const FLAT: [f32; 2] = [-1e-6, 1e-6];
 const OF_TEXEL: u32 = 2;
 const OF_MATERIAL: u32 = 1;
 
-/// Polar angles and azimuths of sampled indirections, as in the study `flat-btf`, and their largest polar angle in
-/// degrees.
-const VIEWS: [u32; 2] = [16, 24];
-const LARGEST_ANGLE: f32 = 80.0;
 /// Number of methods.
 pub(super) const COUNT: usize = 8;
 
@@ -63,19 +57,16 @@ pub(super) struct Methods<'a> {
     normal_map: FlatBtfDecoder,
     /// The reflectance alone: positions on its plane are parameters.
     reflectance: FlatBtfDecoder,
-    indirections: Vdim,
+    /// With an indirection map and sampled shadows.
+    sampled: &'a FlatBtfDecoder,
     shadows: SampledShadows,
 }
 
 impl<'a> Methods<'a> {
-    pub(super) fn new(model: &'a MesoModel, layers: &'a FlatBtfDecoder, settings: &ReliefSettings) -> Self {
-        let of = |map: LayerMap| {
-            FlatBtfDecoder::new(FlatBtfParts { layers: map, reflectance: layers.parts().reflectance.clone() })
-        };
-        let highest = highest(&layers.parts().layers);
-        let [zenith_samples, azimuth_samples] = VIEWS;
-        let largest_angle = LARGEST_ANGLE.to_radians();
-        let header = VdimHeader { size: settings.texels, zenith_samples, azimuth_samples, largest_angle };
+    /// Methods for a surface, encoded with layers and with an indirection map.
+    pub(super) fn new(model: &'a MesoModel, layers: &'a FlatBtfDecoder, sampled: &'a FlatBtfDecoder) -> Self {
+        let of = |map: LayerMap| FlatBtfDecoder::new(FlatBtfParts::new(map, layers.parts().reflectance.clone()));
+        let highest = highest(layers_of(layers));
         Self {
             model,
             layers,
@@ -83,22 +74,21 @@ impl<'a> Methods<'a> {
             normal_map: of(without_relief(&highest)),
             height_field: of(highest),
             reflectance: of(plane()),
-            indirections: indirection(model, header, OVERSAMPLING),
-            shadows: SampledShadows::new(model, settings.texels as usize),
+            sampled,
+            shadows: SampledShadows::new(),
         }
     }
 
     /// All methods, then the bounds.
     pub(super) fn all(&'a self) -> [Method<'a>; COUNT] {
         let bound = |name, draw| Method { name, stored: None, draw };
-        let heights = self.normal_map.parts().layers.height_bytes().len() as u64;
-        let samples = 8 * (self.indirections.header.samples() + self.indirections.reference.len() as u64);
+        let heights = layers_of(&self.normal_map).height_bytes().len() as u64;
         let [(_, twice), (_, half)] = OTHER_STEPS;
         [
             // Without relief there are no heights.
             self.constant("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
-            // Reference and four views; three lights.
-            self.constant("sampled indirections and shadows", samples + self.shadows.bytes(), 5 + 3, self.sampled()),
+            // Reference and map; three lights.
+            self.constant("sampled indirections and shadows", maps(self.sampled), 2 + 3, decoded(self.sampled)),
             self.marched("height field", &self.height_field),
             self.layers(),
             self.marched(twice, &self.others[0]),
@@ -144,22 +134,6 @@ impl<'a> Methods<'a> {
         OF_TEXEL + OF_MATERIAL * self.layers.parts().reflectance.header().materials
     }
 
-    /// Equation 1 of Hadim et al. 2009: indirections of sampled views are blended, and so are shadows of sampled lights.
-    fn sampled(&'a self) -> Draw<'a> {
-        let size = self.indirections.header.size;
-        self.on_tiles(move |at, level, view| {
-            // Within a texel the displacement is constant.
-            let place = at.map(|c| c.rem_euclid(1.0) * size as f32);
-            let texel = place.map(|c| (c as u32).min(size - 1));
-            let [u, v, height] = self.indirections.seen(texel, view);
-            let within = [0, 1].map(|k| (place[k] - texel[k] as f32 - 0.5) / size as f32);
-            let parameters = [u + within[0], v + within[1]];
-            let shade = move |light| self.lit(parameters, level, view, light, self.shadows.blended(parameters, light));
-            // Along the line of sight.
-            (view.map(|c| f64::from(height) / view[2] * c), shade)
-        })
-    }
-
     /// Rays against the surface itself; `reaches` is the fraction of the light that reaches a point.
     fn exact(&'a self, reaches: impl Fn(&SurfacePoint, Vector) -> f32 + Sync + Copy + 'a) -> Draw<'a> {
         self.on_tiles(move |at, level, view| {
@@ -188,9 +162,19 @@ impl<'a> Methods<'a> {
     }
 }
 
+/// Bytes of the relief.
 fn maps(decoder: &FlatBtfDecoder) -> u64 {
-    let map = &decoder.parts().layers;
-    (map.height_bytes().len() + map.displacement_bytes().len()) as u64
+    match &decoder.parts().relief {
+        Relief::Layers(map) => (map.height_bytes().len() + map.displacement_bytes().len()) as u64,
+        Relief::Vdim(map, shadows) => {
+            let shadows = shadows.as_ref().map_or(0, |shadows| shadows.texels().len());
+            (map.reference_bytes().len() + map.packed_bytes().len() + shadows) as u64
+        }
+    }
+}
+
+fn layers_of(decoder: &FlatBtfDecoder) -> &LayerMap {
+    decoder.parts().relief.layers().expect("a flat BTF with layers")
 }
 
 /// Most fetches of rays: their starts, steps and refinements; and parameters.
@@ -224,7 +208,7 @@ fn with_share(layers: &FlatBtfDecoder, share: f64) -> FlatBtfDecoder {
 /// Draws a flat BTF as it is drawn for users.
 fn decoded(decoder: &FlatBtfDecoder) -> Draw<'_> {
     Box::new(|scene, frame, repeat| {
-        let material = FlatMaterial::new(decoder.clone(), repeat).expect("a flat BTF without components");
+        let material = FlatMaterial::new(decoder.clone(), repeat).expect("directions that were checked");
         draw_on_cpu(scene, frame, &material)
     })
 }

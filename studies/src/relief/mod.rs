@@ -11,16 +11,33 @@ pub use rows::{AngleRow, MethodRow, ObjectRow, ReliefRow, ReliefSettings, Render
 
 use brdfc_core::address::AddressError;
 use brdfc_flat_btf::encode::{
-    EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode,
+    EncodeError, FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource,
+    VdimRecipe, encode,
 };
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::structures::Structure;
 use brdfc_formats::direction_set::DirectionSet;
+use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile};
 use brdfc_render::rendering::Panel;
 use methods::Methods;
 use renderings::{Renderings, Surface};
 use std::convert::Infallible;
+
+/// Sampled indirections, with as many views as in the study `flat-btf`.
+const VDIM: VdimRecipe = VdimRecipe {
+    polar_angles: 16,
+    azimuth_rows: 25,
+    largest_angle: 80.0,
+    oversampling: 2,
+    shadows: true,
+    compact: false,
+};
+
+/// A flat BTF as it is read from its file.
+fn stored(decoder: FlatBtfDecoder) -> Result<FlatBtfDecoder, EncodeError<Infallible>> {
+    Ok(FlatBtfFile::from_bytes(&FlatBtfFile::new(decoder)?.to_bytes(false))?.decoder)
+}
 
 /// Errors of the study.
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +71,7 @@ pub fn relief_study(
     let recipe = FlattenRecipe {
         // The displacements then have as many texels as the other maps, and only the heights twice as many per side.
         texels: 2 * settings.texels,
+        relief: ReliefForm::Layers,
         flat_texels: settings.texels as usize,
         views: DirectionSet::ubo2003(),
         lights: DirectionSet::ubo2003(),
@@ -62,9 +80,14 @@ pub fn relief_study(
         reflectance: Reflectance::Brdf,
         target: FactoredTarget::Error(0.0),
     };
-    let input = FlatInput { mesh: structure.mesh(), repairs: None, values: ValueSource::Computed(&appearance) };
-    let FlatBtfEncoded { decoder, model, .. } = encode(input, &recipe, &MemoryScratch::default(), &())?;
-    let methods = Methods::new(&model, &decoder, settings);
+    let encoded = |recipe: &FlattenRecipe| {
+        let input = FlatInput { mesh: structure.mesh(), repairs: None, values: ValueSource::Computed(&appearance) };
+        encode::<Infallible>(input, recipe, &MemoryScratch::default(), &())
+    };
+    let FlatBtfEncoded { decoder, model, .. } = encoded(&recipe)?;
+    let sampled = encoded(&FlattenRecipe { texels: settings.texels, relief: ReliefForm::Vdim(VDIM), ..recipe })?;
+    let sampled = stored(sampled.decoder)?;
+    let methods = Methods::new(&model, &decoder, &sampled);
     done();
     let surface = Surface { model: &model, appearance: &appearance };
     let sheet = with_sheet.then(|| sheet::sheet(surface, &methods.layers(), done));

@@ -1,51 +1,21 @@
-//! Shadows of sampled lights, blended between them.
+//! Shadows of sampled lights by exact rays, blended between them.
 
-use brdfc_flat_btf::light_field::visible;
 use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::SurfacePoint;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
 
-/// The texels of the flat BTF that each of 81 lights reaches.
+/// 81 lights, between which shadows are blended.
 pub(super) struct SampledShadows {
     lights: Vec<Vector>,
     mesh: DirectionMesh,
-    /// Texels per side.
-    size: usize,
-    /// For each light, true for the texels that it reaches.
-    reached: Vec<Vec<bool>>,
 }
 
 impl SampledShadows {
-    pub(super) fn new(model: &MesoModel, size: usize) -> Self {
+    pub(super) fn new() -> Self {
         let set = DirectionSet::ubo2003();
-        let (mesh, lights) = (DirectionMesh::new(&set).expect("a set that we ship"), set.directions());
-        let texels = model.texels(size);
-        let reached = lights.iter().map(|light| visible(&texels, &model.caster, *light)).collect();
-        Self { lights, mesh, size, reached }
-    }
-
-    /// Bytes on a GPU: one for each texel and light, and a third for mipmaps.
-    pub(super) fn bytes(&self) -> u64 {
-        (self.lights.len() * self.size * self.size * 4 / 3) as u64
-    }
-
-    /// Fraction of a light that reaches filtered texels at parameters.
-    pub(super) fn blended(&self, parameters: [f32; 2], light: Vector) -> f32 {
-        let size = self.size as f32;
-        let place = parameters.map(|c| c.rem_euclid(1.0) * size - 0.5);
-        let first = place.map(f32::floor);
-        let share = [place[0] - first[0], place[1] - first[1]];
-        self.sum(light, |sample| {
-            let texel = |x: usize, y: usize| {
-                let [i, j] = [first[0] as i64 + x as i64, first[1] as i64 + y as i64];
-                let [i, j] = [i, j].map(|c| c.rem_euclid(self.size as i64) as usize);
-                f32::from(self.reached[sample][j * self.size + i])
-            };
-            let row = |y| (1.0 - share[0]) * texel(0, y) + share[0] * texel(1, y);
-            (1.0 - share[1]) * row(0) + share[1] * row(1)
-        })
+        Self { mesh: DirectionMesh::new(&set).expect("a set that we ship"), lights: set.directions() }
     }
 
     /// Fraction of a light that reaches a point, if lights in between are blended: no texels, however fine, do better.

@@ -170,7 +170,7 @@ fn packed(pack: PwtPack) -> Result<(Made, f64, f64), FormatError> {
 fn shown(made: &Made, lights: Vec<[f32; 3]>) -> LightSamples {
     match made {
         Made::Map(map) => images_of(map, lights),
-        Made::Pack(pack) => images_of_pack(&PwtDecoder::new(pack.clone()), lights),
+        Made::Pack(pack) => images_of_pack(&PwtDecoder::new(pack.clone()), [0.0, 0.0, 1.0], lights),
         Made::Components(components) => components.images(lights),
     }
 }

@@ -13,7 +13,29 @@ fn the_study_prints_nine_rows_with_the_papers_figures() {
     for row in rows {
         let [relative, coarse] = ["relative", "relative_8_bit"].map(|key| row[key].as_f64().unwrap());
         assert!(relative > 0.0 && relative < 1.0 && coarse < relative + 0.001, "{row}");
+        // Parameters are matched to the paper's figures.
+        let factor = |key: &str| row[key].as_f64().unwrap() / row[format!("paper_{key}")].as_f64().unwrap();
+        assert!((0.95..1.05).contains(&factor("mean")), "{row}");
+        assert!((0.6..1.5).contains(&factor("rms")) && (0.6..1.5).contains(&factor("relative")), "{row}");
     }
+}
+
+/// Every stage is within its bound, and broken stages exceed it.
+#[test]
+fn the_study_of_stress_has_bounds_and_negative_controls() {
+    let folder = folder();
+    let ran = folder.run(&["--study", "stress", "--small", "--json"]).succeeded();
+    conforms(&ran.json());
+    let report = ran.json();
+    let rows = report["rows"].as_array().unwrap();
+    assert!(rows.len() > 40, "{}", rows.len());
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    for row in rows {
+        assert!(row["holds"] == true && number(&row["error"]) <= number(&row["bound"]), "{row}");
+        assert!(number(&row["control"]["error"]) > number(&row["bound"]), "{row}");
+    }
+    let ran = folder.run(&["--study", "stress", "synth:lewis"]);
+    assert!(ran.code == 2 && ran.stderr.contains("INPUT: found with --study stress"), "{}", ran.stderr);
 }
 
 #[test]
@@ -35,7 +57,7 @@ fn the_study_of_rays_counts_rays_and_writes_them() {
         (&["--adapter", "x"], 2, "--adapter: found with another study, expected with --study throughput"),
         (&["button.obj"], 2, "INPUT: found button.obj"),
         (&["--texels", "0"], 2, "--texels: found 0, expected 1 to 512"),
-        (&["--small"], 2, "--small: found with another study, expected with --study pareto, level-of-detail"),
+        (&["--small"], 2, "--small: found with another study, expected with --study pareto, stress, level-of-detail"),
     ] {
         let ran = folder.run(&[&["--study", "rays"][..], arguments].concat());
         assert_eq!(ran.code, code, "{arguments:?}: {}", ran.stderr);
@@ -152,7 +174,7 @@ fn the_study_of_flat_btfs_has_the_papers_tables() {
         assert!((weighted(&map) - mean).abs() < 1e-6, "{row}");
         // 16 x 16 views against 8 x 32.
         let [coarse, fine] = row["grids"].as_array().unwrap().as_slice() else { panic!("{row}") };
-        assert_eq!([&coarse["zenith_samples"], &fine["zenith_samples"]], [8, 16]);
+        assert_eq!([&coarse["polar_angles"], &fine["polar_angles"]], [8, 16]);
         assert!(number(&fine["mean"]) < number(&coarse["mean"]), "{row}");
     }
     let out = ["synth:knit?resolution=32&height=0", "--out", "figures"];

@@ -22,10 +22,12 @@ fn the_studies_that_draw() {
     let throughput = study(&["throughput", "small.ktx2"]);
     assert_eq!(throughput["rows"].as_array().unwrap().len(), 6);
     assert!(throughput["rows"].as_array().unwrap().iter().all(|row| row["shader"].as_f64().unwrap() > 1e4));
-    let images = study(&["images", "synth:lewis?kd=0.5&ks=0.1&n=4"]);
+    let images = study(&["images", "synth:lewis?kd=0.5&ks=0.1&n=4", "--out", "cloth"]);
     let row = &images["rows"][0];
     let mean = |key: &str| row[key][0].as_f64().unwrap();
     assert!(mean("table") < mean("shader") && mean("shader") < 1.3, "{row}");
+    let drawn: Vec<String> = folder.files("cloth").into_keys().collect();
+    assert_eq!(drawn, ["cloth-1-pack.png", "cloth-1-pixels.png", "cloth-1-vertices.png"]);
     let detail = study(&["level-of-detail", "small.ktx2", "--small", "--out", "frames"]);
     assert_eq!(detail["levels"].as_array().unwrap().len(), 3);
     let variance = |key: &str| detail[key]["variance"].as_f64().unwrap();

@@ -31,7 +31,7 @@ fn flags_that_do_not_apply_to_the_study() {
     let flat = |option: [&str; 2], expected: &[&str]| {
         refused(&folder, &[&["--study", "flat-btf", "synth:knit"][..], &option].concat(), 2, expected);
     };
-    flat(["--indirection", "1x8"], &["--indirection: found 1x8, expected 2 to 256 polar angles x 3 to 256"]);
+    flat(["--indirection", "1x8"], &["--indirection: found 1x8, expected 2 to 256 polar angles x 4 to 256"]);
     flat(["--indirection", "256x256"], &["--texels x --indirection: found a map of 1073741824 samples"]);
     flat(["--largest-angle", "90"], &["--largest-angle: found 90, expected above 0, up to 89 degrees"]);
     refused(

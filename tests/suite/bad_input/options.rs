@@ -80,6 +80,7 @@ fn options_that_go_with_another_input() {
             "--material: found 2 materials without a name, expected one, for clay, tin",
         ),
         (structure, &["--bounces", "4", "--write-images", "images"], "--write-images does not apply to --bounces"),
+        (structure, &["--bounces", "4", "--write-flat", "raw"], "--write-flat does not apply to --bounces"),
         (structure, &["--views", "grid:1x6@50"], "--views: found \"grid:1x6@50\", expected 2 polar angles or more"),
         (structure, &["--texels", "24"], "--texels: found 24, expected a power of two from 4 to 2048"),
         (structure, &["--flat-texels", "2048"], "memory: found "),
@@ -129,6 +130,7 @@ fn folders_that_are_files_or_not_empty() {
     );
     let full = ["--write-images: s is not empty; choose a new or empty folder"];
     with(&["-o", "out", "--write-images", "s"], 2, &full);
+    with(&["-o", "out", "--write-flat", "s"], 2, &["--write-flat: s is not empty; choose a new or empty folder"]);
     assert!(!folder.path().join("out").exists(), "before the work");
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     folder.run(&[&knit[..], &["-o", "out", "--write-images", "empty"], &SMALL].concat()).succeeded();

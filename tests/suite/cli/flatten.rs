@@ -1,10 +1,11 @@
 //! `brdfc flatten`, from every kind of input.
 
 mod reflectance;
+mod vdim;
 
 use super::schemas::conforms;
 use crate::common::cli::{Folder, Ran};
-use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode};
+use brdfc_flat_btf::encode::{FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource, encode};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
@@ -186,6 +187,7 @@ fn files_hold_what_the_codec_makes() {
     };
     let set = DirectionSet::grid(2, 6, 50.0).unwrap();
     let recipe = |reflectance| FlattenRecipe {
+        relief: ReliefForm::Layers,
         texels: 16,
         flat_texels: 16,
         views: set.clone(),
@@ -352,14 +354,47 @@ fn options_change_what_they_say() {
     let (_, plain) = parts("a", &[]);
     let (filled, other) = parts("b", &["--fill", "push-pull"]);
     assert_eq!(filled["settings"]["fill"], "push-pull");
-    assert!(plain.reflectance != other.reflectance && plain.layers == other.layers);
+    assert!(plain.reflectance != other.reflectance && plain.relief == other.relief);
     let (_, coarse) = parts("c", &["--flat-texels", "8"]);
     assert_eq!((plain.reflectance.header().size, coarse.reflectance.header().size), (16, 8));
-    assert!(plain.layers == coarse.layers);
+    assert!(plain.relief == coarse.relief);
     let (_, lit) = parts("d", &["--lights", "grid:2x4@50"]);
     let directions = |header: &FactoredHeader| (header.views.len(), header.lights.len());
     assert_eq!(directions(plain.reflectance.header()), (7, 7));
     assert_eq!(directions(lit.reflectance.header()), (7, 5));
+}
+
+/// The raw flat BTF: texels that a view sees hold the surface's values, and a displaced reference leads to what it sees.
+#[test]
+fn the_raw_flat_btf_goes_out() {
+    let folder = Folder::new();
+    let knit = ["synth:knit?resolution=48", "-o", "knit", "--write-flat", "raw", "--fill", "push-pull"];
+    flatten(&folder, &[&knit[..], &FACTORS].concat()).succeeded();
+    let files: Vec<String> = folder.files("raw").into_keys().collect();
+    let of = |kind: &str| files.iter().filter(|name| name.starts_with(kind)).cloned().collect::<Vec<_>>();
+    assert_eq!([of("flat/").len(), of("masks/").len(), of("displacements/").len(), files.len()], [49, 7, 7, 64]);
+    let channels = |name: &str| -> Vec<Vec<f32>> {
+        use exr::prelude::{ReadChannels, ReadLayers};
+        let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
+        let image =
+            reader.first_valid_layer().all_attributes().from_file(folder.path().join("raw").join(name)).unwrap();
+        image.layer_data.channel_data.list.iter().map(|channel| channel.sample_data.values_as_f32().collect()).collect()
+    };
+    // The view along the normal sees its own reference; it sees all texels of a height field.
+    let above = of("displacements/").into_iter().find(|name| name.contains("tv000_pv000")).unwrap();
+    assert!(channels(&above).iter().flatten().all(|moved| *moved == 0.0));
+    assert!(channels(&above.replace("displacements", "masks")).iter().flatten().all(|seen| *seen == 1.0));
+    // The control: slanted views are displaced, and see less.
+    let slanted = of("displacements/").pop().unwrap();
+    assert!(channels(&slanted).iter().flatten().any(|moved| moved.abs() > 0.01));
+    let hidden = of("masks/").iter().map(|mask| channels(mask)[0].iter().filter(|seen| **seen == 0.0).count()).max();
+    assert!(hidden > Some(0), "{hidden:?}");
+    // Parameters of the reference cover the tile.
+    let reference = channels("reference.exr");
+    assert_eq!(reference.len(), 2);
+    assert!(reference.iter().flatten().all(|c| (-0.5..1.5).contains(c)));
+    let lit = of("flat/").iter().filter(|image| channels(image).iter().flatten().any(|value| *value > 0.0)).count();
+    assert_eq!(lit, 49);
 }
 
 /// A failure after the first parts were made leaves the existing asset unchanged.

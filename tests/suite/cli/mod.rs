@@ -21,6 +21,7 @@ mod output_folder;
 mod pwt;
 mod pwt_images;
 mod pwt_maps;
+mod pwt_views;
 #[cfg(feature = "render")]
 mod render;
 #[cfg(feature = "render")]

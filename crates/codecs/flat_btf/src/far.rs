@@ -16,7 +16,7 @@ use brdfc_formats::flat_btf::factored::{
     BaseAngles, BaseMaterial, BaseTable, BaseTexel, BasisMap, DIFFERENCE_ANGLES, FactoredFlatBtf, HALF_ANGLES,
     LevelTable, MAX_ENTRY,
 };
-use brdfc_formats::flat_btf::{FlatBtfDecoder, MacroSurface};
+use brdfc_formats::flat_btf::{FlatBtfDecoder, MacroSurface, SampledDirections};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -78,12 +78,12 @@ struct Scattered<'a> {
 }
 
 /// Replaces the tables of the materials by tables for each level. The decoder has the same number of tables, of which
-/// the first counts. `progress` receives a step per level.
+/// the first counts, and these sampled directions. `progress` receives a step per level.
 ///
 /// # Errors
 /// Returns an error if `progress` cancels; otherwise only for tables that cannot be stored.
 pub fn far_materials<E>(
-    decoder: &FlatBtfDecoder,
+    (decoder, directions): (&FlatBtfDecoder, Option<&SampledDirections>),
     model: &MesoModel,
     appearance: &Appearance,
     progress: &dyn Progress,
@@ -97,7 +97,7 @@ pub fn far_materials<E>(
     let mut levels = Vec::new();
     for index in 1..header.table_levels as usize {
         let level = index as u32;
-        let rays = rays(decoder, model, appearance, level);
+        let rays = rays((decoder, directions), model, appearance, level);
         numbers = fit(&scattered, &rays, &numbers);
         for ((material, scattered), numbers) in made.iter_mut().zip(&scattered).zip(numbers.chunks_exact(FITTED)) {
             material.tables[index] = scattered.table(numbers)?;
@@ -124,9 +124,13 @@ const ROOT_OF_2: f64 = 1.324_717_957_244_746;
 const ROOT_OF_8: f64 = 1.085_070_245_491_451;
 
 /// Casts rays through texels of a level.
-fn rays(decoder: &FlatBtfDecoder, model: &MesoModel, appearance: &Appearance, level: u32) -> Vec<Ray> {
-    let parts = decoder.parts();
-    let (reflectance, layers) = (&parts.reflectance, &parts.layers);
+fn rays(
+    (decoder, directions): (&FlatBtfDecoder, Option<&SampledDirections>),
+    model: &MesoModel,
+    appearance: &Appearance,
+    level: u32,
+) -> Vec<Ray> {
+    let reflectance = &decoder.parts().reflectance;
     let side = f64::from((reflectance.header().size >> level).max(1));
     let detail = level as f32;
     let one = |k: usize| {
@@ -142,22 +146,19 @@ fn rays(decoder: &FlatBtfDecoder, model: &MesoModel, appearance: &Appearance, le
         let at = [x + (across - 0.5) / side, y + (down - 0.5) / side];
         let truth = direct_radiance(model, appearance, at, view, light).map(f64::from);
         let [view, light] = [view, light].map(|v| v.map(|c| c as f32));
-        let point = decoder.seen([x as f32, y as f32], view, detail);
-        let texel = reflectance.filtered(decoder.parameters(&point, detail), detail);
-        let base = texel.base();
-        let lit =
-            layers.lit(&point, base.normal, light, MacroSurface::PLANE, detail + decoder.finer(), decoder.steps());
+        let look = decoder.look([x as f32, y as f32], detail, view, MacroSurface::PLANE);
+        let (base, lit) = (look.texel().base(), look.reached(directions, light));
         let angles = |material: &BaseMaterial| BaseAngles::new(material.axis(), base.normal, view, light);
         let angles: Option<Vec<BaseAngles>> = reflectance.basis().materials().iter().map(angles).collect();
-        let seen = angles.filter(|_| lit > 0.0).map(|angles| of_texel(base, angles));
+        let seen = angles.filter(|_| lit > 0.0).map(|angles| of_texel(base, lit, angles));
         Ray { truth, seen }
     };
     (0..RAYS).into_par_iter().map(one).collect()
 }
 
-fn of_texel(base: &BaseTexel, angles: Vec<BaseAngles>) -> Lit {
+fn of_texel(base: &BaseTexel, lit: f32, angles: Vec<BaseAngles>) -> Lit {
     let second = if angles.len() > 1 { f64::from(base.gloss) } else { 0.0 };
-    Lit { tint: base.diffuse.map(f64::from), shares: [1.0 - second, second], angles }
+    Lit { tint: base.diffuse.map(|c| f64::from(lit * c)), shares: [1.0 - second, second], angles }
 }
 
 /// A light whose half vector with a view is near the normal of the plane; above the horizon.
@@ -387,7 +388,9 @@ fn brightness(scattered: &[Scattered<'_>], rays: &[Ray], numbers: &[f64], is_use
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::encode::{FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode};
+    use crate::encode::{
+        FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource, encode,
+    };
     use crate::factored::FactoredTarget;
     use crate::fill::FillMethod;
     use crate::mesh::PeriodicMesh;
@@ -397,6 +400,7 @@ mod tests {
 
     fn encoded(mesh: PeriodicMesh, appearance: &Appearance) -> FlatBtfEncoded {
         let recipe = FlattenRecipe {
+            relief: ReliefForm::Layers,
             texels: 32,
             flat_texels: 32,
             views: DirectionSet::ubo2003(),
@@ -435,7 +439,7 @@ mod tests {
         assert!(made.report.far.iter().all(|far| (far.brightness - 1.0).abs() < 0.03), "{:?}", made.report.far);
         let materials = made.decoder.parts().reflectance.basis().materials();
         let scattered: Vec<Scattered<'_>> = materials.iter().map(Scattered::new).collect();
-        let rays = rays(&made.decoder, &made.model, &appearance, 5);
+        let rays = rays((&made.decoder, None), &made.model, &appearance, 5);
         let without = brightness(&scattered, &rays, &as_it_is(), is_held_out);
         assert!(without > 1.08, "{without}");
     }

@@ -1,9 +1,10 @@
-//! Bidirectional texture functions: meso-geometry, its flattening and its layers (Hadim et al. 2009, "Flat
-//! Bidirectional Texture Functions").
+//! Bidirectional texture functions: meso-geometry, its flattening, its layers and its indirection maps (Hadim et al.
+//! 2009, "Flat Bidirectional Texture Functions").
 //!
 //! Lengths are in tiles. The surface has period 1 along x and y, z points up, and the reference plane is `z = 0`.
 
 pub mod caster;
+pub mod compact;
 pub mod encode;
 pub mod factored;
 pub mod far;
@@ -27,4 +28,5 @@ mod testing;
 pub mod texels;
 pub mod tile_image;
 pub mod triangle_tree;
+pub mod vdim;
 pub mod weld;

@@ -2,7 +2,9 @@
 
 use crate::levels::{BASES, TermImages, range};
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{Component, MAX_COMPONENTS, PwtHeader, PwtPack, TextureHeader};
+use brdfc_formats::pwt::{
+    Component, MAX_ARRAY_LAYERS, MAX_COMPONENTS, MAX_TEXTURES, PwtHeader, PwtPack, TextureHeader,
+};
 
 /// Maximum components per texel.
 pub const CHANNELS: usize = 4;
@@ -27,7 +29,9 @@ pub struct Limits {
     pub extent: [u32; 2],
     /// Coarsest mipmap level.
     pub depth: u32,
-    /// Maximum number of layers.
+    /// Number of views.
+    pub views: u32,
+    /// Maximum number of layers of a view.
     pub layers: usize,
     /// Maximum bytes on a GPU, all levels included.
     pub bytes: u64,
@@ -37,12 +41,23 @@ impl Limits {
     /// Bytes of a channel that begins at a level.
     fn channel(&self, level: usize) -> u64 {
         let texels = |level: u32| u64::from(self.extent[0] >> level) * u64::from(self.extent[1] >> level);
-        (level as u32..=self.depth).map(texels).sum::<u64>()
+        u64::from(self.views) * (level as u32..=self.depth).map(texels).sum::<u64>()
+    }
+
+    /// Returns true if a number of channels at each level is within the limits.
+    fn allow(&self, slots: &Slots) -> bool {
+        let textures = slots.iter().map(|count| count.div_ceil(channels_of_texture(self.views))).sum::<usize>();
+        layers(slots) <= self.layers && textures <= MAX_TEXTURES && self.bytes(slots) <= self.bytes
     }
 
     fn bytes(&self, slots: &Slots) -> u64 {
         slots.iter().enumerate().map(|(level, count)| *count as u64 * self.channel(level)).sum()
     }
+}
+
+/// Maximum number of channels of a texture with so many views.
+fn channels_of_texture(views: u32) -> usize {
+    CHANNELS * (MAX_ARRAY_LAYERS / views) as usize
 }
 
 /// Number of layers: fetches.
@@ -67,7 +82,8 @@ fn fewer(count: usize) -> impl Iterator<Item = usize> {
 pub fn arrangements(images: &[TermImages], limits: &Limits) -> Vec<Arrangement> {
     let bases = (BASES.min(limits.depth + 1)) as usize;
     // Small layers take no more fetches than whole ones.
-    let most = limits.layers.min(MAX_COMPONENTS / CHANNELS).min(images.len().div_ceil(CHANNELS));
+    let layers = limits.layers.min(MAX_COMPONENTS / CHANNELS).min(images.len().div_ceil(CHANNELS));
+    let limits = &Limits { layers, ..*limits };
     let mut path = vec![Arrangement::of(images, [0; BASES as usize])];
     loop {
         let last = &path[path.len() - 1];
@@ -87,8 +103,7 @@ pub fn arrangements(images: &[TermImages], limits: &Limits) -> Vec<Arrangement> 
             }
         }
         let before = limits.bytes(&last.slots);
-        let fitting = changes.into_iter().filter(|slots| layers(slots) <= most && limits.bytes(slots) <= limits.bytes);
-        let gains = fitting.filter_map(|slots| {
+        let gains = changes.into_iter().filter(|slots| limits.allow(slots)).filter_map(|slots| {
             let next = Arrangement::of(images, slots);
             // Some changes take no more bytes.
             let bytes = limits.bytes(&slots).saturating_sub(before).max(1);
@@ -162,22 +177,25 @@ impl Arrangement {
                 let (low, high) = range(&image.levels[level as usize..]);
                 Component { channel: image.channel as u32, term: image.term as u32, scale: high - low, low }
             };
-            let components: Vec<Component> = slots.iter().map(component).collect();
             let channels = count.min(CHANNELS);
-            texels.push(texels_of(images, level, channels, &slots, &components));
-            header.textures.push(TextureHeader { level, channels: channels as u32, components });
+            for slots in slots.chunks(channels_of_texture(header.view_count())) {
+                let components: Vec<Component> = slots.iter().map(component).collect();
+                texels.push(texels_of(images, level, channels, slots, &components));
+                header.textures.push(TextureHeader { level, channels: channels as u32, components });
+            }
         }
         if header.textures.is_empty() {
             // No term is worth a byte: the pack shows the mean of learned terms, otherwise 0 of the domain.
             let depth = header.levels;
             header.textures.push(TextureHeader { level: depth, channels: 1, components: vec![Component::NONE] });
-            texels.push(vec![0; (header.extent[0] >> depth) as usize * (header.extent[1] >> depth) as usize]);
+            let [width, height] = header.extent.map(|side| (side >> depth) as usize);
+            texels.push(vec![0; width * height * header.view_count() as usize]);
         }
         PwtPack::new(header, texels)
     }
 }
 
-/// Texels of a texture: all mipmap levels, layer by layer.
+/// Texels of a texture: all mipmap levels, layer by layer, with the views of each layer in turn.
 fn texels_of(
     images: &[TermImages],
     level: u32,

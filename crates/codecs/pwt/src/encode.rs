@@ -1,4 +1,4 @@
-//! Encodes images of one view under known lights as a pack. Each step has its own file; this one sequences them.
+//! Encodes images of one view, or of all views of a BTF, under known lights as a pack. Each step has its own file; this one sequences them.
 
 use crate::assemble::Arrangement;
 use crate::candidates::{Candidate, SquaredSlopes};
@@ -9,8 +9,8 @@ use crate::design::Design;
 use crate::encoded::Padded;
 use crate::fit;
 use crate::image::Plane;
-use crate::levels::{TermImages, term_images};
-use crate::lifting::Border;
+use crate::levels::{Borders, TermImages, term_images};
+use crate::lifting::{Border, Wavelet};
 use crate::measure::StackErrors;
 use crate::project;
 use crate::recipe::{DomainName, PwtRecipe};
@@ -47,14 +47,16 @@ pub struct PwtEncoded {
     pub met: bool,
 }
 
-/// Encodes images of one view. Those of near lights are converted to distant lights.
+/// Encodes images of one view, or of several views, which have all terms of the light in common. Images of near lights are
+/// converted to distant lights.
 ///
 /// # Errors
-/// Returns an error if images or recipe are out of range, or if the sides of a tile cannot be halved for the requested
-/// number of levels.
+/// Returns an error if images or recipe are out of range, if the sides of a tile cannot be halved for the requested
+/// number of levels, or for several views with another wavelet than Haar's.
 pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, FormatError> {
     samples.check()?;
     recipe.check()?;
+    check_wavelet(samples, recipe)?;
     let samples = &*samples.distant()?;
     let depth = depth(samples, recipe)?;
     let choice = choose(samples, recipe)?;
@@ -78,6 +80,10 @@ pub fn encode(samples: &LightSamples, recipe: &PwtRecipe) -> Result<PwtEncoded, 
     candidates[0] = candidate;
     let Fitted { condition, subbands, .. } = fitted;
     Ok(PwtEncoded { pack, candidates, condition, subbands, errors, met })
+}
+
+fn borders(samples: &LightSamples) -> Borders {
+    Borders { repeats: samples.repeats, views: samples.view_count() }
 }
 
 /// Terms fitted to photographs.
@@ -121,7 +127,7 @@ fn fit_polynomials(
             }
         });
     }
-    let images = term_images(&tree, &coefficients, &weights, samples.repeats);
+    let images = term_images(&tree, &coefficients, &weights, borders(samples));
     let triangle = design.triangle.iter().map(|c| *c as f32).collect();
     Fitted {
         images,
@@ -147,7 +153,7 @@ fn fit_learned(
     let planes = project::coefficients(&learned, &Padded::new(samples, domain, extent));
     let image = |(k, values): (usize, Vec<f32>)| {
         let plane = Plane { size: extent, values };
-        TermImages::of_plane((0, k + 1), transform, plane, &weights, samples.repeats)
+        TermImages::of_plane((0, k + 1), transform, plane, &weights, borders(samples))
     };
     let images = planes.into_par_iter().enumerate().map(image).collect();
     let degree = learned.map.terms() as u32 - 1;
@@ -165,12 +171,14 @@ fn fit_learned(
 impl Fitted {
     /// Header without textures and errors.
     fn header(&self, samples: &LightSamples, domain: Domain, extent: [usize; 2], levels: u32) -> PwtHeader {
+        let [width, height] = extent;
         PwtHeader {
-            size: samples.size.map(|side| side as u32),
-            extent: extent.map(|side| side as u32),
+            size: samples.view_size().map(|side| side as u32),
+            extent: [width, height / samples.view_count()].map(|side| side as u32),
             repeats: samples.repeats,
             levels,
             basis: self.basis,
+            views: samples.views.as_ref().map(|views| views.mesh().clone()),
             domain,
             colour: self.colour,
             triangle: self.triangle.clone(),
@@ -213,7 +221,7 @@ pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<Pw
         planes.par_iter_mut().for_each(|plane| tree.analyse(plane));
         planes
     });
-    let images = term_images(&tree, &coefficients, &Plane::zeros(extent), samples.repeats);
+    let images = term_images(&tree, &coefficients, &Plane::zeros(extent), Borders::of_one(samples.repeats));
     let fitted = Fitted {
         images,
         basis: design.basis,
@@ -227,8 +235,17 @@ pub fn plain(samples: &LightSamples, basis: LightBasis, level: u32) -> Result<Pw
         .pack(&fitted.images, fitted.header(samples, Domain::Display, extent, depth))
 }
 
+/// Rejects wavelets that would cross the borders between stacked views.
+fn check_wavelet(samples: &LightSamples, recipe: &PwtRecipe) -> Result<(), FormatError> {
+    if samples.views.is_none() || recipe.wavelet == Wavelet::Haar {
+        return Ok(());
+    }
+    let allowed = format!("{} for several views", Wavelet::Haar.name());
+    Err(FormatError::whole("wavelet", recipe.wavelet.name(), allowed))
+}
+
 fn depth(samples: &LightSamples, recipe: &PwtRecipe) -> Result<u32, FormatError> {
-    let [width, height] = samples.size;
+    let [width, height] = samples.view_size();
     let most =
         if samples.repeats { width.trailing_zeros().min(height.trailing_zeros()) } else { width.min(height).ilog2() };
     match recipe.depth {

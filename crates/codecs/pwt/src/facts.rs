@@ -5,8 +5,10 @@ use brdfc_formats::pwt::{Domain, LightCoordinates, PwtErrors, PwtHeader, PwtPack
 /// Facts about a polynomial wavelet tree.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PwtFacts {
-    /// Columns and rows of the image.
+    /// Columns and rows of the image of each view.
     pub size: [u32; 2],
+    /// Number of views.
+    pub views: u32,
     /// True if it is a tile that repeats.
     pub repeats: bool,
     /// Coarsest mipmap level, counted from the resolution of the image.
@@ -21,7 +23,7 @@ pub struct PwtFacts {
     pub epsilon: f32,
     /// The textures, finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Texture fetches per look-up; learned terms take `degree + 1` more for each light, for the mean and each term.
+    /// Texture fetches per look-up of a view, up to three times as many between views; learned terms take `degree + 1` more for each light, for the mean and each term.
     pub fetches: u32,
     /// Bytes on a GPU, all levels included.
     pub gpu_bytes: u64,
@@ -36,7 +38,7 @@ pub struct PwtTextureFacts {
     pub level: u32,
     /// Columns and rows of its finest level.
     pub size: [u32; 2],
-    /// Number of layers.
+    /// Number of layers of each view.
     pub layers: u32,
     /// Channels of 8 bits per texel.
     pub channels: u32,
@@ -55,6 +57,7 @@ impl PwtFacts {
         };
         Self {
             size,
+            views: header.view_count(),
             repeats,
             levels,
             coordinates: basis.coordinates,
@@ -87,13 +90,18 @@ impl PwtFacts {
             }
             polynomial => (format!("{} coordinates, degree {degree}", polynomial.name()), self.fetches.to_string()),
         };
+        let kind = match self.views {
+            1 => "polynomial wavelet tree: one view under any light".to_owned(),
+            views => format!("polynomial wavelet tree: {views} views under any light"),
+        };
+        let fetches = if self.views > 1 { format!("{fetches}; between views three times the first") } else { fetches };
         let PwtErrors { lights, psnr, held_out_psnr, delta_e } = self.errors;
         let errors = match lights {
             0 => "not measured".to_owned(),
             _ => format!("PSNR {psnr:.2} dB, mean delta E {delta_e:.2} at {lights} lights"),
         };
         let mut lines = vec![
-            ("kind", "polynomial wavelet tree: one view under any light".to_owned()),
+            ("kind", kind),
             ("pixels", format!("{width} x {height}{tile}, levels 0 to {levels}")),
             ("light", light),
             ("domain", domain),

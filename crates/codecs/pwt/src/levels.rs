@@ -7,8 +7,24 @@ use crate::tree::{PacketTree, Transform};
 use brdfc_formats::tap::Tap;
 use rayon::prelude::*;
 
-/// Number of levels at which a term may begin: one texture each.
-pub const BASES: u32 = brdfc_formats::pwt::MAX_TEXTURES as u32;
+/// Number of levels at which a term may begin.
+pub const BASES: u32 = 4;
+
+/// Continuation of planes beyond their borders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Borders {
+    /// True for tiles that repeat.
+    pub repeats: bool,
+    /// Number of views that are stacked in a plane.
+    pub views: usize,
+}
+
+impl Borders {
+    /// Borders of a single view.
+    pub fn of_one(repeats: bool) -> Self {
+        Self { repeats, views: 1 }
+    }
+}
 
 /// A term of a channel, with its images and errors for each first level.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,10 +47,10 @@ impl TermImages {
         tree: &PacketTree,
         coefficients: &Plane,
         weights: &Plane,
-        repeats: bool,
+        borders: Borders,
     ) -> Self {
         let levels = (0..=tree.transform().depth).map(|level| tree.truncated(coefficients, level)).collect();
-        Self::of_levels((channel, term), levels, weights, repeats)
+        Self::of_levels((channel, term), levels, weights, borders)
     }
 
     /// Creates the images of a term whose tree has all details. `plane` is not transformed.
@@ -43,7 +59,7 @@ impl TermImages {
         transform: Transform,
         plane: Plane,
         weights: &Plane,
-        repeats: bool,
+        borders: Borders,
     ) -> Self {
         let mut levels = vec![plane];
         if transform.wavelet == Wavelet::Haar {
@@ -56,10 +72,10 @@ impl TermImages {
             tree.analyse(&mut coefficients);
             levels.extend((1..=transform.depth).map(|level| tree.truncated(&coefficients, level)));
         }
-        Self::of_levels((channel, term), levels, weights, repeats)
+        Self::of_levels((channel, term), levels, weights, borders)
     }
 
-    fn of_levels((channel, term): (usize, usize), levels: Vec<Plane>, weights: &Plane, repeats: bool) -> Self {
+    fn of_levels((channel, term): (usize, usize), levels: Vec<Plane>, weights: &Plane, borders: Borders) -> Self {
         let depth = levels.len() as u32 - 1;
         let whole = &levels[0];
         let squares = |other: &[f32]| -> f64 {
@@ -70,7 +86,7 @@ impl TermImages {
         let mut errors: Vec<f64> = (0..bases)
             .map(|base| {
                 let texels = rounded(&levels[base as usize]);
-                squares(&magnified(&texels, base, repeats).values)
+                squares(&magnified(&texels, base, borders).values)
             })
             .collect();
         errors.push(squares(&vec![0.0; whole.values.len()]));
@@ -83,11 +99,11 @@ pub fn term_images(
     tree: &PacketTree,
     coefficients: &[Vec<Plane>; 3],
     weights: &Plane,
-    repeats: bool,
+    borders: Borders,
 ) -> Vec<TermImages> {
     let all: Vec<(usize, usize)> =
         (0..3).flat_map(|channel| (0..coefficients[channel].len()).map(move |term| (channel, term))).collect();
-    let image = |at: &(usize, usize)| TermImages::new(*at, tree, &coefficients[at.0][at.1], weights, repeats);
+    let image = |at: &(usize, usize)| TermImages::new(*at, tree, &coefficients[at.0][at.1], weights, borders);
     all.par_iter().map(image).collect()
 }
 
@@ -109,8 +125,8 @@ pub fn range(levels: &[Plane]) -> (f32, f32) {
     values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Magnifies texels by `level` levels as a bilinear sampler does, with texel centres at halves.
-pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
+/// Magnifies texels by `level` levels as a bilinear sampler does, view by view, with texel centres at halves.
+pub fn magnified(plane: &Plane, level: u32, Borders { repeats, views }: Borders) -> Plane {
     if level == 0 {
         return plane.clone();
     }
@@ -121,10 +137,14 @@ pub fn magnified(plane: &Plane, level: u32, repeats: bool) -> Plane {
         let taps = (0..side << level).map(|k| Tap::new((k as f32 + 0.5) / texels, side as u32, repeats));
         taps.map(|tap| (tap.indices(), tap.weight)).collect()
     };
-    let (columns, rows) = (taps(width), taps(height));
+    let (columns, of_view) = (taps(width), taps(height / views));
+    let rows = (0..views).flat_map(|view| {
+        let first = view * (height / views);
+        of_view.iter().map(move |([upper, lower], weight)| ([first + upper, first + lower], *weight))
+    });
     let mut values = vec![0.0; size[0] * size[1]];
     let mut line = vec![0.0f32; width];
-    for (([upper, lower], weight), target) in rows.iter().zip(values.chunks_exact_mut(size[0])) {
+    for (([upper, lower], weight), target) in rows.zip(values.chunks_exact_mut(size[0])) {
         let (a, b) = (&plane.values[upper * width..][..width], &plane.values[lower * width..][..width]);
         for ((value, a), b) in line.iter_mut().zip(a).zip(b) {
             *value = a + weight * (b - a);

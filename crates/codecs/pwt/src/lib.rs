@@ -1,4 +1,4 @@
-//! Encoder of polynomial wavelet trees: converts photographs of one view under known lights to a pack
+//! Encoder of polynomial wavelet trees: converts photographs of one view, or of the views of a BTF, under known lights to a pack
 //! (`formats/src/pwt`). Each step has its own file; `encode.rs` sequences them.
 //!
 //! Baril, Boubekeur, Gioia and Schlick 2008, "Polynomial wavelet trees for bidirectional texture functions".
@@ -29,6 +29,8 @@ mod search;
 mod stack;
 pub mod terms;
 pub mod tree;
+mod view_stack;
+mod views;
 pub mod web;
 
 pub use encode::{PwtEncoded, encode, plain};
@@ -36,3 +38,4 @@ pub use facts::{PwtFacts, PwtTextureFacts};
 pub use lifting::{Border, Wavelet};
 pub use recipe::{DomainName, PwtRecipe, Target};
 pub use stack::{LIGHTS, LightSamples};
+pub use views::Views;

@@ -32,8 +32,10 @@ pub struct StackErrors {
 /// every `stride`-th row.
 pub fn stack_errors(decoder: &PwtDecoder, samples: &LightSamples, stride: usize) -> StackErrors {
     let weights: Vec<Weights> = samples.lights.iter().map(|light| decoder.pack().header().weights(*light)).collect();
+    let height = samples.view_size()[1];
     let sums = sums(samples, stride, |row| {
-        let unpacked = decoder.unpacked_rows(0, row..row + 1);
+        let (view, row) = ((row / height) as u32, row % height);
+        let unpacked = decoder.unpacked_rows(view, 0, row..row + 1);
         let weights = &weights;
         move |light: usize| Cow::Owned(unpacked.rows(row..row + 1, &weights[light]))
     });
@@ -86,13 +88,30 @@ impl std::ops::AddAssign for PhotographSums {
     }
 }
 
-/// Images that a pack shows at its finest level under some lights.
-pub fn images_of_pack(decoder: &PwtDecoder, lights: Vec<[f32; 3]>) -> LightSamples {
-    let unpacked = decoder.unpacked(0);
+/// Images that a pack shows at its finest level for a unit vector to the viewer under some lights.
+pub fn images_of_pack(decoder: &PwtDecoder, view: [f32; 3], lights: Vec<[f32; 3]>) -> LightSamples {
+    let images = images_at(decoder, view, 0, &lights);
     let header = decoder.pack().header();
-    let image = |light: &[f32; 3]| unpacked.rows(0..unpacked.size()[1], &header.weights(*light));
-    let images: Vec<_> = lights.par_iter().map(image).collect();
-    LightSamples { repeats: header.repeats, ..LightSamples::new(unpacked.size(), lights, images) }
+    LightSamples { repeats: header.repeats, ..LightSamples::new(header.size.map(|side| side as usize), lights, images) }
+}
+
+/// Images at a mipmap level, blended between views as by [`PwtDecoder::value`].
+pub fn images_at(decoder: &PwtDecoder, view: [f32; 3], level: u32, lights: &[[f32; 3]]) -> Vec<Vec<[f32; 3]>> {
+    let header = decoder.pack().header();
+    let (views, shares) = header.seen(view);
+    let seen = views.into_iter().zip(shares).filter(|(_, share)| *share > 0.0);
+    let unpacked: Vec<_> = seen.map(|(view, share)| (decoder.unpacked(view, level), share)).collect();
+    let image = |light: &[f32; 3]| {
+        let weights = header.weights(*light);
+        let [width, height] = unpacked[0].0.size();
+        let mut blended = vec![[0.0f32; 3]; width * height];
+        for (view, share) in &unpacked {
+            let colours = view.rows(0..height, &weights);
+            blended.iter_mut().zip(colours).for_each(|(sum, colour)| (0..3).for_each(|c| sum[c] += share * colour[c]));
+        }
+        blended
+    };
+    lights.par_iter().map(image).collect()
 }
 
 impl StackErrors {

@@ -74,6 +74,7 @@ fn converted(samples: &LightSamples, near: &NearLights) -> Result<LightSamples, 
         images: images.into_iter().map(Into::into).collect(),
         lights: samples.lights.clone(),
         near: None,
+        views: samples.views.clone(),
         defined: samples.defined.clone(),
         ..*samples
     })

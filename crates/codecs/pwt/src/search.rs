@@ -7,7 +7,7 @@ use crate::measure::{StackErrors, stack_errors};
 use crate::recipe::{PwtRecipe, Target};
 use crate::stack::LightSamples;
 use brdfc_formats::FormatError;
-use brdfc_formats::pwt::{LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack};
+use brdfc_formats::pwt::{LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack, mesh_bytes};
 
 /// Approximate number of texels of all photographs that are compared at the end, and the minimum number of rows as long as they do
 /// not have eight times as many.
@@ -70,13 +70,15 @@ impl<'a> Search<'a> {
     ) -> Self {
         let bytes = if let Target::Bytes(bytes) = recipe.target { bytes } else { u64::MAX };
         let layers = recipe.max_fetches.unwrap_or(PwtRecipe::MAX_FETCHES) as usize;
-        let map = |terms| header.light_map.as_ref().map_or(0, |map| LightMap::bytes_of(map.side(), terms + 1));
+        let mesh = header.views.as_ref().map_or(0, mesh_bytes);
+        let map = |terms| mesh + header.light_map.as_ref().map_or(0, |map| LightMap::bytes_of(map.side(), terms + 1));
         let is_fixed = header.light_map.is_none() || recipe.degree.is_some();
         let first = if is_fixed { images.len() } else { CHANNELS };
         let mut steps = Vec::new();
         for terms in (first..images.len()).step_by(CHANNELS).chain([images.len()]) {
             let bytes = bytes.saturating_sub(map(terms));
-            let limits = Limits { extent: header.extent, depth: header.levels, layers, bytes };
+            let limits =
+                Limits { extent: header.extent, depth: header.levels, views: header.view_count(), layers, bytes };
             let left_out: f64 = images[terms..].iter().filter_map(|image| image.errors.last()).sum();
             steps.extend(arrangements(&images[..terms], &limits).into_iter().map(|arrangement| {
                 let (bytes, error) = (arrangement.bytes(&limits) + map(terms), arrangement.error + left_out);
@@ -179,7 +181,9 @@ impl<'a> Search<'a> {
         let [width, height] = self.samples.size;
         let of_row = width * self.samples.lights.len();
         let rows = COMPARED_TEXELS.div_ceil(of_row).max(MIN_ROWS.min(8 * COMPARED_TEXELS / of_row));
-        let errors = stack_errors(&decoder, self.samples, height.div_ceil(rows));
+        // With an odd step, not the same rows of every view.
+        let step = height.div_ceil(rows) | usize::from(self.samples.views.is_some());
+        let errors = stack_errors(&decoder, self.samples, step);
         let measured = PwtErrors {
             lights: errors.lights as u32,
             psnr: errors.psnr as f32,

@@ -1,5 +1,6 @@
-//! Input of the encoder: images of one view under known lights.
+//! Input of the encoder: images of one view, or of the views of a BTF, under known lights.
 
+use crate::views::Views;
 use brdfc_formats::FormatError;
 use brdfc_readers::near_lights::NearLights;
 use brdfc_readers::pixels::Pixels;
@@ -17,10 +18,11 @@ pub fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most { (0..count).collect() } else { (0..most).map(nth).collect() }
 }
 
-/// Images of one view, each under one light.
+/// Images of one view, each under one light. Images of several views are stacked: view `v` is the rows `v h` to
+/// `(v + 1) h - 1` of the image of every light, where `h` is the height of a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSamples {
-    /// Columns and rows of every image.
+    /// Columns and rows of every image, with all views.
     pub size: [usize; 2],
     /// Unit vectors to the lights, above the horizon; for near lights from the middle of the images.
     pub lights: Vec<[f32; 3]>,
@@ -30,6 +32,8 @@ pub struct LightSamples {
     pub near: Option<NearLights>,
     /// True if the images are tiles that repeat.
     pub repeats: bool,
+    /// Directions of two or more views; `None` for one.
+    pub views: Option<Views>,
     /// Mask of defined texels, row by row; `None` if all are defined. Other texels hold filled values: they are fitted,
     /// but do not affect choices and errors.
     pub defined: Option<Vec<bool>>,
@@ -39,7 +43,7 @@ impl LightSamples {
     /// Images under distant lights that do not repeat and whose texels are all defined.
     pub fn new(size: [usize; 2], lights: Vec<[f32; 3]>, images: Vec<impl Into<Pixels>>) -> Self {
         let images = images.into_iter().map(Into::into).collect();
-        Self { size, lights, images, near: None, repeats: false, defined: None }
+        Self { size, lights, images, near: None, repeats: false, views: None, defined: None }
     }
 
     /// Checks the input.
@@ -54,9 +58,10 @@ impl LightSamples {
             let allowed = format!("{} to {}", LIGHTS.start(), LIGHTS.end());
             return refused("lights".to_owned(), self.lights.len().to_string(), allowed);
         }
+        self.check_views()?;
         let [width, height] = self.size;
         let most = brdfc_formats::pwt::MAX_SIDE as usize;
-        if !(1..=most).contains(&width) || !(1..=most).contains(&height) {
+        if self.view_size().iter().any(|side| !(1..=most).contains(side)) {
             return refused("size".to_owned(), format!("{width} x {height}"), format!("1 to {most} along each side"));
         }
         if self.images.len() != self.lights.len() {
@@ -114,7 +119,7 @@ impl LightSamples {
         self.defined.as_ref().map_or(all, |mask| mask.iter().filter(|defined| **defined).count())
     }
 
-    /// Crops every image under a distant light to its middle, with sides that are multiples of `multiple`; smaller sides stay unchanged.
+    /// Crops every image of one view under a distant light to its middle, with sides that are multiples of `multiple`; smaller sides stay unchanged.
     pub fn cropped(&self, multiple: usize) -> Self {
         let [width, height] = self.size;
         let size = self.size.map(|side| if side < multiple { side } else { side - side % multiple });
@@ -122,7 +127,7 @@ impl LightSamples {
         let at = |y: usize| (first[1] + y) * width + first[0]..(first[1] + y) * width + first[0] + size[0];
         let images = self.images.iter().map(|image| image.parts((0..size[1]).map(at))).collect();
         let defined = self.defined.as_ref().map(|mask| (0..size[1]).flat_map(|y| &mask[at(y)]).copied().collect());
-        Self { size, lights: self.lights.clone(), images, near: None, repeats: self.repeats, defined }
+        Self { size, lights: self.lights.clone(), images, near: None, repeats: self.repeats, views: None, defined }
     }
 
     /// Averages images under the same light, so that cross-validation does not predict an image from its copy.
@@ -200,6 +205,7 @@ impl LightSamples {
             images: groups.iter().map(mean).collect(),
             near: self.near.as_ref().map(|near| near.of_groups(groups)),
             repeats: self.repeats,
+            views: self.views.clone(),
             defined: self.defined.clone(),
         }
     }
@@ -209,6 +215,7 @@ impl LightSamples {
         let rest = (0..self.lights.len()).filter(|k| !left_out.contains(k));
         let (lights, images) = rest.map(|k| (self.lights[k], self.images[k].clone())).unzip();
         let near = self.near.as_ref().map(|near| near.without(left_out));
-        Self { size: self.size, lights, images, near, repeats: self.repeats, defined: self.defined.clone() }
+        let (repeats, views, defined) = (self.repeats, self.views.clone(), self.defined.clone());
+        Self { size: self.size, lights, images, near, repeats, views, defined }
     }
 }

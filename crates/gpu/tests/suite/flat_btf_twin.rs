@@ -1,14 +1,21 @@
 //! The shader of flat BTFs, compared with the CPU decoder on any adapter.
 
 use brdfc_formats::bindings::FrameBlock;
+use brdfc_formats::direction::from_polar;
 use brdfc_formats::flat_btf::factored::shader::FACTORED_FILTER_PRECISION;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, MacroSurface, MarchSteps};
+use brdfc_formats::flat_btf::{
+    FlatBtfDecoder, FlatBtfParts, MacroSurface, MarchSteps, Relief, SeenPoint, Vdim, VdimHeader,
+};
 use brdfc_gpu::Gpu;
 use brdfc_probe::{FlatBtfAnswer, FlatBtfEvaluator, FlatBtfQuery};
 use brdfc_render::flat::FlatMaterial;
-use brdfc_testing::codecs::flat_btf::{BASE, Factors, MATERIALS, SMALL, Sizes, factored, layer_header, layers, relief};
+use brdfc_testing::codecs::flat_btf::{
+    BASE, Factors, MATERIALS, SMALL, Sizes, compact_indirections, factored, indirections, layer_header, layers, relief,
+    sampled_relief,
+};
 use brdfc_testing::packs::{Numbers, unit_vector};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 const WITH_RESIDUAL: Factors = Factors { groups: 3, wide_groups: 1, residual: 2, ..BASE };
 const WITHOUT: Factors = Factors { groups: 1, residual: 0, ..WITH_RESIDUAL };
@@ -27,12 +34,28 @@ fn assets(seed: u64) -> Vec<FlatMaterial> {
     ]
     .map(|(sizes, factors, steps)| {
         let layers = layers(sizes, seed);
-        let parts = FlatBtfParts { layers, reflectance: factored(sizes, factors, seed + 1) };
+        let parts = FlatBtfParts::new(layers, factored(sizes, factors, seed + 1));
         let decoder = FlatBtfDecoder::new(parts);
         let steps = steps.unwrap_or(decoder.steps());
         FlatMaterial::new(decoder.with_steps(steps), 1).unwrap()
     })
     .to_vec()
+}
+
+/// Indirection maps with materials and shadows, with components and without shadows, and of compact samples.
+fn sampled_assets(seed: u64) -> [FlatMaterial; 3] {
+    type MakeMap = fn(Sizes, u32, u64) -> Vdim;
+    let large = Sizes { flat: 16, plane: 12, views: 7, lights: 12, ..SMALL };
+    let cases: [(Sizes, Factors, bool, MakeMap); 3] = [
+        (SMALL, MATERIALS, true, indirections),
+        (large, WITHOUT, false, indirections),
+        (Sizes { plane: 12, ..SMALL }, MATERIALS, true, compact_indirections),
+    ];
+    cases.map(|(sizes, factors, shadows, map)| {
+        let relief = sampled_relief(sizes, shadows, |lights| map(sizes, lights, seed));
+        let parts = FlatBtfParts::new(relief, factored(sizes, factors, seed + 1));
+        FlatMaterial::new(FlatBtfDecoder::new(parts), 1).unwrap()
+    })
 }
 
 /// Random queries, and views and lights along the normal, at the horizon and below it.
@@ -88,7 +111,7 @@ fn expected(material: &FlatMaterial, query: &FlatBtfQuery) -> FlatBtfAnswer {
         at: point.at,
         height: point.height,
         sheet: point.sheet as u32,
-        parameters: decoder.parameters(&point, level),
+        parameters: look.parameters(),
         rise: point.rise,
         value: look.shaded(material.directions(), light),
     }
@@ -146,6 +169,78 @@ fn manual_filtering_gives_the_bits_of_the_cpu_decoder() {
     assert!(sheets.iter().all(|count| *count > 0), "{sheets:?}");
 }
 
+#[test]
+fn indirection_maps_have_the_bits_of_the_cpu_decoder() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
+    for (k, material) in sampled_assets(20).into_iter().enumerate() {
+        let queries = queries(5000, k as u64 + 9);
+        let found = answers(&evaluator, &material, FrameBlock::exact(), &queries);
+        assert_eq!(differences(&material, &queries, &found), [0; 3], "{k}");
+        let lit = found.iter().filter(|answer| answer.value != [0.0; 3]).count();
+        assert!((1500..4500).contains(&lit), "{k}: most are lit, not all: {lit}");
+        // The control: another map.
+        let [seen, parameters, values] = differences(&sampled_assets(30)[k], &queries, &found);
+        assert!(seen > 1000 && parameters > 1000 && values > 1000, "{k}: {seen} {parameters} {values}");
+    }
+}
+
+/// Blending by the sampler stays within its precision of each block's range. Blocks of every other texel have displacements
+/// and heights that are hundreds of times larger: where the sampler reached into one, the difference would show.
+#[test]
+fn the_sampler_never_reaches_the_next_block() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    let evaluator = FlatBtfEvaluator::new(gpu).unwrap();
+    let header =
+        VdimHeader { size: 8, block: 1, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights: 0 };
+    let is_quiet = |[i, j]: [u32; 2]| (i + j).is_multiple_of(2);
+    let seen = |texel: [u32; 2], k: u32, a: u32| {
+        let scale = if is_quiet(texel) { 0.05 } else { 50.0 };
+        let (along, turn) = (scale * k as f32 / 3.0, 1.5 * a as f32);
+        SeenPoint { displacement: [along * turn.cos(), along * turn.sin()], height: scale * ((k + a) % 3) as f32 / 2.0 }
+    };
+    let map = Vdim::of_views(header, vec![[0.0; 2]; 64], seen).unwrap();
+    let relief = Relief::sampled(map.clone(), None).unwrap();
+    let parts = FlatBtfParts::new(relief, factored(SMALL, BASE, 3));
+    let material = FlatMaterial::new(FlatBtfDecoder::new(parts), 1).unwrap();
+    // At the corners and edges of blocks, and at random places in them; in the middle and at the edges of texels.
+    let mut numbers = Numbers::new(6);
+    let polar = [0.0, 1e-4, 0.6, 1.2499, 1.25, 1.5];
+    let azimuths = [0.0, 1e-5, -1e-5, 1.0, FRAC_PI_2, PI, -FRAC_PI_2];
+    let mut queries = Vec::new();
+    for texel in 0..64u32 {
+        for polar in polar {
+            for azimuth in azimuths {
+                let within = [0; 2].map(|_| [0.001, 0.5, 0.999][numbers.bits() as usize % 3]);
+                let uv = [(texel % 8) as f32 + within[0], (texel / 8) as f32 + within[1]].map(|c| c / 8.0);
+                let azimuth = azimuth + if numbers.bits().is_multiple_of(4) { numbers.between(0.0, 6.0) } else { 0.0 };
+                let view = from_polar(polar, azimuth).map(|c| c as f32);
+                queries.push(FlatBtfQuery { uv, level: -1.0, view, light: view, surface: MacroSurface::PLANE });
+            }
+        }
+    }
+    let found = answers(&evaluator, &material, FrameBlock::default(), &queries);
+    let mut largest = [0.0f32; 2];
+    for (query, found) in queries.iter().zip(found) {
+        let texel = query.uv.map(|c| (c * 8.0) as u32);
+        let expected = expected(&material, query);
+        let off = [0, 1].map(|k| found.parameters[k] - expected.parameters[k]).map(|d| d - d.round());
+        let off = off[0].hypot(off[1]).max((found.rise - expected.rise).abs());
+        let kind = usize::from(!is_quiet(texel));
+        largest[kind] = largest[kind].max(off);
+    }
+    // The range of a quiet block is 0.05; two axes, and directions that are normalised again.
+    assert!(largest[0] <= 4.0 * 0.05 / 256.0, "{largest:?}");
+    // The control: a quarter of a sample further, the sampler blends the next block.
+    let broken = flat_btf_value_wgsl().replace("* samples + inside + 0.5)", "* samples + inside + 0.75)");
+    let broken = FlatBtfEvaluator::with_shader(gpu, &broken).unwrap();
+    let leaks =
+        answers(&broken, &material, FrameBlock::default(), &queries).iter().zip(&queries).any(|(found, query)| {
+            is_quiet(query.uv.map(|c| (c * 8.0) as u32)) && (found.rise - expected(&material, query).rise).abs() > 0.1
+        });
+    assert!(leaks, "a sampler that reaches the next block shows");
+}
+
 /// Layers of one height and random displacements: rays end where they end without a sampler, and parameters are within
 /// the precision of filters along three axes.
 #[test]
@@ -155,7 +250,7 @@ fn the_sampler_is_within_its_precision() {
     let mut numbers = Numbers::new(4);
     let moved: Vec<[f32; 2]> = (0..64).map(|_| [0; 2].map(|_| numbers.between(0.0, 0.25) as f32)).collect();
     let layers = relief(layer_header(SMALL), |[column, row]| ([100, 40, 200], [moved[(8 * row + column) as usize]; 3]));
-    let parts = FlatBtfParts { layers, reflectance: factored(SMALL, BASE, 3) };
+    let parts = FlatBtfParts::new(layers, factored(SMALL, BASE, 3));
     let material = FlatMaterial::new(FlatBtfDecoder::new(parts), 1).unwrap();
     let queries = queries(5000, 3);
     let mut largest = [0.0f32; 2];
@@ -250,7 +345,7 @@ const CHANGES: [(&str, &str); 59] = [
     ("size - 1u, below < 0.0)", "0u, below < 0.0)"),
     ("select(tap.lower, tap.upper, upper == 1u)", "select(tap.lower, tap.upper, upper == 2u)"),
     ("texel, sheet, level).xy", "texel, 0u, level).xy"),
-    ("flat_btf_parameters.size >> level", "flat_btf_parameters.size"),
+    ("max(flat_btf_parameters.size >> level, 1u)", "flat_btf_parameters.size"),
     ("min(max(detail, 0.0), f32", "min(max(detail, 0.1), f32"),
     ("if light.z <= 0.0", "if light.z <= 0.1"),
     ("min(light.z / lowest_light, 1.0)", "1.0"),

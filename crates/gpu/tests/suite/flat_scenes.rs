@@ -14,7 +14,7 @@ use brdfc_render::scene::{Frame, PointLight, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{SourceReflectance, shade};
 use brdfc_render::trace::trace;
-use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, Sizes, factored, layers};
+use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, Sizes, factored, layers, layers_of};
 use std::sync::LazyLock;
 
 const FRAME: Frame = Frame { width: 96, height: 72, samples: 2 };
@@ -58,7 +58,7 @@ fn same(a: &LinearImage, b: &LinearImage, what: &str, most: (f64, f64)) {
 #[test]
 fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
-    assert!(STUD.layers.header().sheets == 3 && COMPONENTS.reflectance.residual().is_none());
+    assert!(layers_of(&STUD).header().sheets == 3 && COMPONENTS.reflectance.residual().is_none());
     assert!(BOUNCED.reflectance.residual().is_some());
     for (name, parts) in [("material", &*STUD), ("components", &COMPONENTS), ("bounces", &BOUNCED)] {
         let material = material(parts);
@@ -249,9 +249,9 @@ fn a_flat_structure_looks_like_its_brdf() {
     for (brdf, most) in [("synth:lambert?kd=0.6,0.3,0.1", 0.4), ("synth:lewis?kd=0.3,0.1,0.05&ks=0.2&n=3", 1.0)] {
         let directions = DirectionSet::grid(2, 4, 60.0).unwrap();
         let made = flattened(address, &appearance(address, Some(brdf)), 4, &directions, (Reflectance::Brdf, 0));
-        let FlatBtfParts { layers, reflectance } = made.decoder.into_parts();
+        let FlatBtfParts { relief, reflectance } = made.decoder.into_parts();
         // The structure's tints vary over the tile; this test needs one material everywhere.
-        let parts = FlatBtfParts { layers, reflectance: untinted(&reflectance) };
+        let parts = FlatBtfParts { relief, reflectance: untinted(&reflectance) };
         let material = material(&parts);
         let source = parse_synth(brdf).unwrap();
         for builtin in [Builtin::Plane, Builtin::Vase] {
@@ -288,7 +288,7 @@ fn errors_of_large_assets_have_advice() {
     let sizes = Sizes { flat: 2, lights: 301, ..SMALL };
     let drawn = |residual: u32| {
         let factors = Factors { levels: 1, groups: 1, residual, ..BASE };
-        let parts = FlatBtfParts { layers: layers(sizes, 1), reflectance: factored(sizes, factors, 2) };
+        let parts = FlatBtfParts::new(layers(sizes, 1), factored(sizes, factors, 2));
         draw_flat_btf(gpu, &Builtin::Plane.scene(), FRAME, &material(&parts))
     };
     let error = drawn(1).unwrap_err();

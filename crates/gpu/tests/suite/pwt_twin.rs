@@ -6,6 +6,7 @@ use brdfc_formats::pwt::{
     Component, Domain, LightBasis, LightCoordinates, LightMap, PwtDecoder, PwtErrors, PwtHeader, PwtPack, TextureHeader,
 };
 use brdfc_probe::{EVALUATE_PWT_WGSL, PwtAnswer, PwtEvaluator, PwtQuery};
+use brdfc_testing::codecs::pwt::five_views;
 use brdfc_testing::packs::Numbers;
 
 const DOMAINS: [Domain; 4] = [Domain::Linear, Domain::Display, Domain::CubeRoot, Domain::Logarithm { epsilon: 0.0123 }];
@@ -20,23 +21,41 @@ struct Shape {
     extent: [u32; 2],
     levels: u32,
     repeats: bool,
+    views: bool,
     /// Level, channels and layers of each texture.
     textures: &'static [[u32; 3]],
 }
 
-const SHAPES: [Shape; 3] = [
+const SHAPES: [Shape; 4] = [
     // A tile with all four textures.
     Shape {
         size: [64, 32],
         extent: [64, 32],
         levels: 4,
         repeats: true,
+        views: false,
         textures: &[[0, 4, 3], [1, 2, 4], [3, 1, 5], [4, 4, 2]],
     },
     // An image smaller than its texels' extent; the first texture lacks fine levels.
-    Shape { size: [37, 61], extent: [40, 64], levels: 3, repeats: false, textures: &[[1, 4, 6], [3, 1, 3]] },
+    Shape {
+        size: [37, 61],
+        extent: [40, 64],
+        levels: 3,
+        repeats: false,
+        views: false,
+        textures: &[[1, 4, 6], [3, 1, 3]],
+    },
     // One level, one layer.
-    Shape { size: [13, 7], extent: [13, 7], levels: 0, repeats: false, textures: &[[0, 4, 1]] },
+    Shape { size: [13, 7], extent: [13, 7], levels: 0, repeats: false, views: false, textures: &[[0, 4, 1]] },
+    // Five views of a tile; two textures begin at one level.
+    Shape {
+        size: [16, 8],
+        extent: [16, 8],
+        levels: 2,
+        repeats: true,
+        views: true,
+        textures: &[[0, 4, 2], [0, 4, 1], [1, 2, 3]],
+    },
 ];
 
 /// A pack with random texels and colours, whose values stay in a sensible range.
@@ -68,6 +87,7 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
         repeats: shape.repeats,
         levels: shape.levels,
         basis,
+        views: shape.views.then(five_views),
         domain,
         colour: [[0.6, 0.5, 0.4], [0.3, -0.1, -0.2], [0.05, -0.1, 0.1]],
         triangle,
@@ -78,7 +98,7 @@ fn pack(shape: Shape, basis: LightBasis, domain: Domain, seed: u64) -> PwtPack {
     let texels = header.textures.iter().map(|texture| {
         let levels = texture.level..=shape.levels;
         let count = levels.map(|level| (shape.extent[0] >> level) * (shape.extent[1] >> level)).sum::<u32>();
-        (0..count * texture.components.len() as u32).map(|_| numbers.bits() as u8).collect()
+        (0..count * texture.components.len() as u32 * header.view_count()).map(|_| numbers.bits() as u8).collect()
     });
     let texels = texels.collect();
     PwtPack::new(header, texels).unwrap()
@@ -100,6 +120,8 @@ fn packs() -> Vec<PwtDecoder> {
             packs.push(PwtDecoder::new(pack(SHAPES[number % 3], basis, domain, 20 + number as u64)));
         }
     }
+    let basis = LightBasis { coordinates: LightCoordinates::Learned, degree: 3 };
+    packs.push(PwtDecoder::new(pack(SHAPES[3], basis, Domain::Display, 19)));
     packs
 }
 
@@ -122,7 +144,8 @@ fn queries(level: f32, count: usize, seed: u64) -> Vec<PwtQuery> {
             _ => [0; 2].map(|_| numbers.unit() as f32),
         };
         let light = if k % 20 == 0 { special[k / 20 % 3] } else { light(&mut numbers) };
-        PwtQuery { uv, level, light }
+        let outgoing = self::light(&mut numbers);
+        PwtQuery { uv, level, light, outgoing, view: 0 }
     };
     (0..count).map(query).collect()
 }
@@ -139,7 +162,12 @@ fn answers(
 ) -> Vec<(PwtQuery, PwtAnswer)> {
     let loaded = evaluator.load(decoder.pack(), filter).unwrap();
     let of_level = |(k, level): (usize, &f32)| {
-        let queries = queries(*level, count, k as u64);
+        let views = decoder.pack().header().view_count();
+        let queries: Vec<PwtQuery> = queries(*level, count, k as u64)
+            .into_iter()
+            .enumerate()
+            .map(|(k, query)| PwtQuery { view: k as u32 % views, ..query })
+            .collect();
         let found = evaluator.eval(&loaded, &queries).unwrap();
         assert_eq!(found.len(), queries.len());
         queries.into_iter().zip(found).collect::<Vec<_>>()
@@ -160,11 +188,11 @@ fn difference(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> Differ
     let mut found = Difference::default();
     for (query, answer) in answers {
         let weights = decoder.pack().header().weights(query.light);
-        let sum = decoder.sum(query.uv, query.level, &weights);
+        let sum = decoder.sum(query.uv, query.level, query.view, &weights);
         for (a, b) in sum.iter().zip(answer.sum) {
             found.other_bits += usize::from(a.to_bits() != b.to_bits());
         }
-        let value = decoder.value(query.uv, query.level, query.light);
+        let value = decoder.value(query.uv, query.level, query.outgoing, query.light);
         for (a, b) in value.iter().zip(answer.value) {
             found.value = found.value.max((a - b).abs() / a.abs().max(1e-3));
         }
@@ -214,7 +242,7 @@ fn share_of_bound(decoder: &PwtDecoder, answers: &[(PwtQuery, PwtAnswer)]) -> f3
     let mut largest = 0.0f32;
     for (query, answer) in answers {
         let weights = decoder.pack().header().weights(query.light);
-        let sum = decoder.sum(query.uv, query.level, &weights);
+        let sum = decoder.sum(query.uv, query.level, query.view, &weights);
         let bounds = filter_bound(decoder, query);
         for k in 0..3 {
             largest = largest.max((sum[k] - answer.sum[k]).abs() / bounds[k]);
@@ -262,9 +290,9 @@ fn levels_may_differ_between_invocations() {
 fn the_sampler_fetches_once_per_layer() {
     let Some(gpu) = crate::common::gpu() else { return };
     let counted = PWT_WGSL.replace("{ return texture", "{ fetch_count += 1u; return texture");
-    assert_eq!(counted.matches("fetch_count").count(), 8, "four textures, two filters");
+    assert_eq!(counted.matches("fetch_count").count(), 16, "eight textures, two filters");
     let all = PWT_WGSL.matches("textureLoad(").count() + PWT_WGSL.matches("textureSampleLevel(").count();
-    assert_eq!(all, 8 + 5, "those of the light map are made once for each light");
+    assert_eq!(all, 16 + 5 + 1, "those of the light map and of the mesh are made once for each light and view");
     let counted = format!("var<private> fetch_count: u32 = 0u;\n{counted}");
     let entry_point = EVALUATE_PWT_WGSL.replace("return 0.0;", "return f32(fetch_count);");
     assert_ne!(entry_point, EVALUATE_PWT_WGSL);
@@ -284,7 +312,10 @@ fn the_sampler_fetches_once_per_layer() {
 }
 
 /// Steps of the shader and small changes of them, each of which one of the packs must detect.
-const CHANGES: [(usize, &str, &str); 26] = [
+const CHANGES: [(usize, &str, &str); 29] = [
+    (16, "layer * pwt.views + view", "layer * pwt.views"),
+    (16, "direction_mesh_weights(wo, 0u)", "direction_mesh_weights(-wo, 0u)"),
+    (16, "if pwt.views == 1u {", "if pwt.views > 0u {"),
     (0, "if wi.z <= 0.0 {", "if wi.z <= -1.0 {"),
     (10, "select(n * (n + 1u) / 2u, n * n,", "select(n * (n + 1u) / 2u, n * n - 1u,"),
     (0, "pwt.triangle[at / 4u][at % 4u]", "pwt.triangle[at / 4u][at % 3u]"),

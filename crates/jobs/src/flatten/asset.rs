@@ -1,6 +1,6 @@
 //! The report in a flat BTF's file: settings and measurements.
 
-use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Reflectance};
+use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Reflectance, ReliefForm};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::bindings::Stored;
@@ -56,8 +56,10 @@ impl FlatAsset {
 pub struct Settings {
     /// Texels of the flat BTF per side.
     pub flat_texels: usize,
-    /// Texels of the layers per side.
+    /// Texels of the reference plane per side.
     pub texels: u32,
+    /// Form of the relief.
+    pub relief: ReliefForm,
     /// Name and number of the views; files are named without folders.
     pub views: (String, usize),
     /// Name and number of the lights.
@@ -80,6 +82,7 @@ impl Settings {
         Self {
             flat_texels: recipe.flat_texels,
             texels: recipe.texels,
+            relief: recipe.relief,
             views: (recipe.views.name.clone(), recipe.views.len()),
             lights: (recipe.lights.name.clone(), recipe.lights.len()),
             fill: recipe.fill,

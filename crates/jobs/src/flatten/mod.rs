@@ -3,6 +3,7 @@
 mod asset;
 mod comparison;
 mod describe;
+mod flat_images;
 mod images;
 mod input;
 mod read;

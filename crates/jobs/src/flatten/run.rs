@@ -1,6 +1,7 @@
 //! Makes a flat BTF and writes its file.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
+use super::flat_images::write_flat;
 use super::images::{StackImages, write_images};
 use super::input::{Geometry, MesoOptions, material_list, open_appearance, open_geometry};
 use super::scratch::FolderScratch;
@@ -71,6 +72,8 @@ pub struct FlattenJob<'a> {
     pub surface: Surface,
     /// Folder and format for directly computed images of the ordinary BTF; `None` to write none.
     pub images: Option<(&'a Path, StackFormat)>,
+    /// Folder for the raw flat BTF as EXR files; `None` to write none.
+    pub raw: Option<&'a Path>,
 }
 
 /// Makes a flat BTF and writes `NAME.ktx2`. Stores values of views temporarily in the folder.
@@ -102,8 +105,11 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
     if let (Values::Computed(appearance), Some(images)) = (&texels, job.images) {
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
+    if let Some(folder) = job.raw {
+        write_flat(&encoded.model, &texels, job.recipe, folder, progress)?;
+    }
     let about = AssetFile {
-        version: 3,
+        version: 4,
         name: job.name.to_owned(),
         source,
         materials,

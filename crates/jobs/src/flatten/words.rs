@@ -2,7 +2,7 @@
 
 use super::asset::{AssetFile, FlatAsset, Settings};
 use brdfc_core::words::{bytes, counted, percent};
-use brdfc_flat_btf::encode::Reflectance;
+use brdfc_flat_btf::encode::{AssetReport, Reflectance, ReliefForm, VdimRecipe};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
@@ -20,7 +20,7 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
     if let Some(unseen) = asset.unseen().filter(|unseen| *unseen > 0.0) {
         lines.push(format!("no view sees {} of the texels", percent(unseen)));
     }
-    let layers = &asset.report.layers;
+    let layers = asset.report.layers.unwrap_or_default();
     let share = |lines: u32| percent(f64::from(lines) * 1e-6);
     if layers.simplified >= FEW_LINES {
         lines.push(format!(
@@ -91,12 +91,11 @@ pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset)
     let (report, settings) = (&asset.report, &asset.settings);
     let (views, lights) = (&settings.views, &settings.lights);
     let factored = &report.factored;
-    let sheets = if report.layers.sheets == 1 { "1 sheet" } else { "3 sheets: base, top and underside" };
     let stretch = &report.parameterisation.after;
     let mut facts = vec![
         ("source", asset.source.clone()),
         ("texels", format!("{0} x {0} flat, {1} x {1} on the plane", settings.flat_texels, settings.texels)),
-        ("layers", sheets.to_owned()),
+        relief(settings, report),
         ("heights", format!("{} to {} tiles", height(report.heights[0]), height(report.heights[1]))),
         ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
     ];
@@ -117,6 +116,22 @@ pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset)
     }
     facts.push(("size", format!("{}, {} on a GPU", bytes(*file), bytes(*gpu_bytes))));
     facts
+}
+
+/// Name and summary of the relief.
+fn relief(settings: &Settings, report: &AssetReport) -> (&'static str, String) {
+    let ReliefForm::Vdim(vdim) = &settings.relief else {
+        let one = report.layers.is_some_and(|layers| layers.sheets == 1);
+        return ("layers", if one { "1 sheet" } else { "3 sheets: base, top and underside" }.to_owned());
+    };
+    let VdimRecipe { polar_angles, azimuth_rows, largest_angle, compact, .. } = vdim;
+    let form = if *compact { "compact " } else { "" };
+    let shadows = if vdim.shadows {
+        format!("shadows of {}", counted(settings.lights.1, "light"))
+    } else {
+        "no shadows".to_owned()
+    };
+    ("indirection map", format!("{polar_angles} x {azimuth_rows} {form}views up to {largest_angle}°, {shadows}"))
 }
 
 /// Its measured errors with their names.

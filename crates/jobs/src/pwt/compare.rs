@@ -1,6 +1,6 @@
 //! Compares photographs with packs, maps or captures made from them, one image at a time to save memory.
 
-use super::input::refused;
+use super::limits::refused;
 use super::photographs::DistantPhotographs;
 use crate::error::Error;
 use brdfc_formats::pwt::PwtDecoder;
@@ -92,6 +92,10 @@ impl Compared {
     fn open(input: &Input, reference: &RtiCapture) -> Result<Self, Error> {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
+                Pack::Pwt(pack) if pack.header().view_count() > 1 => {
+                    let found = pack.header().view_count().to_string();
+                    return Err(refused(input, "views", &found, "1, like the reference"));
+                }
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
                 other => return Err(refused(input, "pack", other.kind().summary(), ALLOWED)),
             },
@@ -125,7 +129,7 @@ impl Compared {
         match self {
             Self::Pack(decoder) => {
                 let weights = decoder.pack().header().weights(light);
-                decoder.unpacked_rows(0, rows.clone()).rows(rows, &weights)
+                decoder.unpacked_rows(0, 0, rows.clone()).rows(rows, &weights)
             }
             Self::Map(map) => image_rows(map.as_ref(), light, rows),
             Self::Stack(_) => Vec::new(),

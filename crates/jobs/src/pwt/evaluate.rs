@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// A material with values at texture coordinates.
 #[allow(clippy::large_enum_variant)]
 pub enum Relightable {
-    /// A polynomial wavelet tree, which has one view.
+    /// A polynomial wavelet tree of one view or several.
     Pack(PwtDecoder),
     /// A flat BTF, which has several views.
     Flat(FlatMaterial),
@@ -37,7 +37,10 @@ impl Relightable {
 
     /// Returns true if values depend on the viewing direction.
     pub fn has_views(&self) -> bool {
-        matches!(self, Self::Flat(_))
+        match self {
+            Self::Pack(decoder) => decoder.pack().header().view_count() > 1,
+            Self::Flat(_) => true,
+        }
     }
 
     /// Returns true if the image continues beyond texture coordinates of 0 to 1.
@@ -66,7 +69,10 @@ impl Relightable {
         let single = |v: [f64; 3]| v.map(|c| c as f32);
         let coarser = (self.levels() as f32 - level).max(0.0);
         match self {
-            Self::Pack(decoder) => decoder.value(query.uv.map(|c| c as f32), coarser, single(query.incoming)),
+            Self::Pack(decoder) => {
+                let [view, light] = [query.outgoing, query.incoming].map(single);
+                decoder.value(query.uv.map(|c| c as f32), coarser, view, light)
+            }
             Self::Flat(material) => {
                 if query.incoming[2] <= 0.0 || query.outgoing[2] <= 0.0 {
                     return [0.0; 3];

@@ -1,12 +1,14 @@
-//! Opens inputs of polynomial wavelet trees: photographs under known lights, one view of a BTF, a file of an RTI viewer, or an
+//! Opens inputs of polynomial wavelet trees: photographs under known lights, one view of a BTF or all, a file of an RTI viewer, or an
 //! existing tree.
 
+use super::limits::{MAX_BYTES, check_amount, check_linear, refused};
+use super::views::{ViewChoice, all_flat_views, all_views};
 use crate::error::Error;
 use brdfc_core::words::{counted, counted_of, join_truncated};
+use brdfc_formats::Pack;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::unit_vectors;
 use brdfc_formats::pwt::{LightBasis, PwtDecoder, PwtPack};
-use brdfc_formats::{FormatError, Pack};
 use brdfc_pwt::LightSamples;
 use brdfc_pwt::measure::images_of_pack;
 use brdfc_pwt::near::check_count;
@@ -26,8 +28,6 @@ use std::path::Path;
 const SPREAD: usize = 96;
 /// Number of lights for each term of a large map: more than enough to recover its functions.
 const LIGHTS_PER_TERM: usize = 4;
-/// Maximum bytes of all photographs together: 6 GiB.
-const MAX_BYTES: u64 = 6 << 30;
 /// Number of photographs that a note names.
 const MAX_NAMED: usize = 3;
 
@@ -46,12 +46,12 @@ pub enum LightInput {
 }
 
 impl LightInput {
-    /// Reads an input. `view` is the index of the view of a BTF, 0 by default.
+    /// Reads an input. `view` is the view of a BTF, the first one by default, or all views.
     ///
     /// # Errors
     /// Returns an error if the input cannot be read or is of another kind, the view does not exist, or the photographs exceed the
     /// limit.
-    pub fn open(input: &Input, view: Option<usize>) -> Result<Self, Error> {
+    pub fn open(input: &Input, view: Option<ViewChoice>) -> Result<Self, Error> {
         let extension = input.extension()?;
         if view.is_some() && (extension == "ktx2" || viewer_file::EXTENSIONS.contains(&extension.as_str())) {
             return Err(Error::usage("--view does not apply to inputs with one view, only to BTFs"));
@@ -62,6 +62,9 @@ impl LightInput {
         }
         if extension == "ktx2" {
             return match brdfc_source::pack::open_pack(input)? {
+                Pack::Pwt(pack) if pack.header().view_count() > 1 => {
+                    Err(refused(input, "views", &pack.header().view_count().to_string(), "1, of a pack to fit again"))
+                }
                 Pack::Pwt(pack) => {
                     // A small file may hold a large image.
                     check_spread(input, pack.header().size, SPREAD)?;
@@ -88,12 +91,17 @@ impl LightInput {
             }
             return Err(refused(input, "extension", &format!(".{extension}"), ALLOWED));
         }
+        let view = view.unwrap_or(ViewChoice::One(0));
         // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
-            return Ok(Self::Photographs(flat_view(path, view.unwrap_or(0))?, Vec::new()));
+            return Ok(Self::Photographs(flat_view(path, view)?, Vec::new()));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
-            return Ok(Self::Photographs(one_view(path, view.unwrap_or(0))?, Vec::new()));
+            let samples = match view {
+                ViewChoice::One(view) => one_view(path, view)?,
+                ViewChoice::All => all_views(path)?,
+            };
+            return Ok(Self::Photographs(samples, Vec::new()));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
         Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")))
@@ -115,7 +123,7 @@ impl LightInput {
         match self {
             Self::Photographs(samples, _) => samples.averaged(),
             Self::Map(map) => samples_of(map.as_ref(), spread_lights(lights_of(map.as_ref()))),
-            Self::Pack(pack) => images_of_pack(&PwtDecoder::new(pack), spread_lights(SPREAD)),
+            Self::Pack(pack) => images_of_pack(&PwtDecoder::new(pack), [0.0, 0.0, 1.0], spread_lights(SPREAD)),
         }
     }
 }
@@ -148,26 +156,6 @@ fn exposure_notes(samples: &LightSamples) -> impl Iterator<Item = String> {
         .into_iter()
         .filter(|(_, lights)| !lights.is_empty())
         .map(move |(name, lights)| format!("{}: {name} everywhere", counted_of(lights.len(), all, "photograph")))
-}
-
-pub(super) fn refused(input: &impl std::fmt::Display, field: &'static str, found: &str, allowed: &str) -> Error {
-    let error = FormatError::whole(field, found.to_owned(), allowed);
-    InputError::Format { name: input.to_string(), error }.into()
-}
-
-fn check_amount(input: &impl std::fmt::Display, size: [usize; 2], lights: usize, bytes: u64) -> Result<(), Error> {
-    if bytes <= MAX_BYTES {
-        return Ok(());
-    }
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    let found = format!("{lights} of {} x {} pixels, {:.1} GiB", size[0], size[1], gib(bytes));
-    Err(refused(input, "photographs", &found, &format!("at most {} GiB in all", gib(MAX_BYTES))))
-}
-
-/// [`check_amount`] of images with linear values.
-fn check_linear(input: &impl std::fmt::Display, size: [usize; 2], lights: usize) -> Result<(), Error> {
-    let pixels: u64 = size.map(|side| side as u64).iter().product();
-    check_amount(input, size, lights, Pixels::BYTES_OF_LINEAR * pixels * lights as u64)
 }
 
 /// Number of lights under which a map is rendered: fewer if it is large.
@@ -257,9 +245,13 @@ fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
     Ok(LightSamples { repeats: true, ..LightSamples::new(btf.size(), lights, images) })
 }
 
-/// A view of a flat BTF with components. Rows of flat BTFs go up, rows of images go down.
-fn flat_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
+/// A view of a flat BTF with components, or all. Rows of flat BTFs go up, rows of images go down.
+fn flat_view(path: &Path, view: ViewChoice) -> Result<LightSamples, Error> {
     let file = open_flat_btf(path)?;
+    let view = match view {
+        ViewChoice::One(view) => view,
+        ViewChoice::All => return all_flat_views(path, &file),
+    };
     let number = u32::try_from(view).unwrap_or(u32::MAX);
     let (found, views) = decoded_view(&file, number).map_err(|error| InputError::format(path, error))?;
     check_view(view, views as usize)?;

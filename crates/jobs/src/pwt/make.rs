@@ -3,7 +3,7 @@
 use crate::error::Error;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, PwtDecoder};
-use brdfc_pwt::measure::{StackErrors, image_errors, stack_errors};
+use brdfc_pwt::measure::{StackErrors, image_errors, images_at, photograph_sums, stack_errors};
 use brdfc_pwt::ptm::{MapModel, fit_map, images_of};
 use brdfc_pwt::{DomainName, LightSamples, PwtEncoded, PwtRecipe, Target, encode};
 use brdfc_readers::ptm::Ptm;
@@ -23,6 +23,32 @@ pub struct HeldOut {
     pub delta_e: f64,
 }
 
+/// Errors at held-out views, blended from the other views.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct HeldOutViews {
+    /// Indices of the held-out views, from 0.
+    pub views: Vec<usize>,
+    /// PSNR of sRGB levels at these views under the fitted lights, dB.
+    pub psnr: f64,
+    /// Mean ΔE (CIE76) of the same images.
+    pub delta_e: f64,
+    /// PSNR at these views under the held-out lights, dB; null without held-out lights.
+    pub psnr_at_held_out_lights: Option<f64>,
+    /// Mean ΔE of the same images.
+    pub delta_e_at_held_out_lights: Option<f64>,
+}
+
+/// Numbers of lights and views to hold out of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HoldOut {
+    /// Number of lights.
+    pub lights: usize,
+    /// Number of views.
+    pub views: usize,
+    /// Seed of the permutations that choose them.
+    pub seed: u64,
+}
+
 /// Why a pack misses its target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Missed {
@@ -30,6 +56,8 @@ pub enum Missed {
     Fitted,
     /// Errors at the held-out lights are too large.
     HeldOut,
+    /// Errors at the held-out views are too large.
+    HeldOutViews,
     /// The photographs have nothing to measure.
     Nothing(String),
 }
@@ -40,12 +68,14 @@ pub struct PwtMade {
     pub encoded: PwtEncoded,
     /// Held-out lights and the errors there.
     pub held_out: Option<HeldOut>,
+    /// Held-out views and the errors there.
+    pub held_out_views: Option<HeldOutViews>,
     /// Number of lights that were fitted.
     pub lights: usize,
 }
 
 impl PwtMade {
-    /// The reason why the pack misses a target, if it does. Limits of error apply to held-out lights as well.
+    /// The reason why the pack misses a target, if it does. Limits of error apply to held-out lights and views as well.
     pub fn missed(&self, target: Target) -> Option<Missed> {
         let fails = |psnr: f64, delta_e: f64| match target {
             Target::Quality(least) => psnr < least,
@@ -59,25 +89,74 @@ impl PwtMade {
         if !self.encoded.met {
             return Some(Missed::Fitted);
         }
-        self.held_out.as_ref().filter(|held| fails(held.psnr, held.delta_e)).map(|_| Missed::HeldOut)
+        if self.held_out.as_ref().is_some_and(|held| fails(held.psnr, held.delta_e)) {
+            return Some(Missed::HeldOut);
+        }
+        let views = self.held_out_views.as_ref();
+        views.filter(|held| fails(held.psnr, held.delta_e)).map(|_| Missed::HeldOutViews)
     }
 }
 
-/// Encodes photographs. Holds out `hold_out` of them, chosen by a seeded permutation, to measure errors at those lights.
+/// Encodes photographs. Holds out some lights and views, chosen by seeded permutations, to measure errors there.
 ///
 /// # Errors
-/// Returns an error if photographs or options are out of range, or if no light is left to fit.
-pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: usize, seed: u64) -> Result<PwtMade, Error> {
-    if hold_out == 0 {
-        let encoded = encode(samples, recipe).map_err(wrong)?;
-        return Ok(PwtMade { encoded, held_out: None, lights: samples.lights.len() });
+/// Returns an error if photographs or options are out of range, or if too few lights or views are left to fit.
+pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: HoldOut) -> Result<PwtMade, Error> {
+    let unseen_views = held_out_views(samples, hold_out)?;
+    let seen: Vec<usize> = (0..samples.view_count()).filter(|view| !unseen_views.contains(view)).collect();
+    let some = (hold_out.views > 0).then(|| samples.only_views(&seen)).transpose().map_err(wrong)?;
+    let fitted_views = some.as_ref().unwrap_or(samples);
+    let left_out = held_out_lights(samples, hold_out.lights, hold_out.seed)?;
+    let split = (hold_out.lights > 0).then(|| fitted_views.split(&left_out)).transpose().map_err(wrong)?;
+    let fitted = split.as_ref().map_or(fitted_views, |[fitted, _]| fitted);
+    let encoded = encode(fitted, recipe).map_err(wrong)?;
+    let decoder = PwtDecoder::new(encoded.pack.clone());
+    let held_out = split.as_ref().map(|[_, unseen]| {
+        let errors = stack_errors(&decoder, unseen, 1);
+        HeldOut { lights: left_out.clone(), psnr: errors.psnr, delta_e: errors.delta_e }
+    });
+    let held_out_views = (hold_out.views > 0).then(|| errors_at_views(&decoder, samples, unseen_views, &left_out));
+    Ok(PwtMade { lights: fitted.lights.len(), encoded, held_out, held_out_views })
+}
+
+/// The views that a seeded permutation holds out.
+fn held_out_views(samples: &LightSamples, HoldOut { views, seed, .. }: HoldOut) -> Result<Vec<usize>, Error> {
+    let count = samples.view_count();
+    if views > 0 && views + 2 > count {
+        let allowed = match count {
+            1 => "0, as the input has one view".to_owned(),
+            _ => format!("0 to {}, as at least two views must be fitted", count - 2),
+        };
+        return Err(Error::wrong_usage("--hold-out-views", views, allowed));
     }
-    let left_out = held_out_lights(samples, hold_out, seed)?;
-    let [fitted, unseen] = samples.split(&left_out).map_err(wrong)?;
-    let encoded = encode(&fitted, recipe).map_err(wrong)?;
-    let errors = stack_errors(&PwtDecoder::new(encoded.pack.clone()), &unseen, 1);
-    let held_out = HeldOut { lights: left_out, psnr: errors.psnr, delta_e: errors.delta_e };
-    Ok(PwtMade { encoded, held_out: Some(held_out), lights: fitted.lights.len() })
+    Ok(permutation(count, seed)[..views].to_vec())
+}
+
+/// Errors of a pack at views that it was not fitted to, under the fitted lights and those left out.
+fn errors_at_views(
+    decoder: &PwtDecoder,
+    samples: &LightSamples,
+    views: Vec<usize>,
+    left_out: &[usize],
+) -> HeldOutViews {
+    let [mut fitted, mut unseen] = [Vec::new(), Vec::new()];
+    for view in &views {
+        let direction = samples.views.as_ref().map_or([0.0, 0.0, 1.0], |all| all.direction(*view));
+        let images = images_at(decoder, direction, 0, &samples.lights);
+        for (light, image) in images.iter().enumerate() {
+            let sums = photograph_sums(image, &samples.images[light].linear(samples.pixels_of_view(*view)));
+            if left_out.contains(&light) { unseen.push(sums) } else { fitted.push(sums) }
+        }
+    }
+    let StackErrors { psnr, delta_e, .. } = StackErrors::of_photographs(&fitted);
+    let both = (!left_out.is_empty()).then(|| StackErrors::of_photographs(&unseen));
+    HeldOutViews {
+        views,
+        psnr,
+        delta_e,
+        psnr_at_held_out_lights: both.map(|errors| errors.psnr),
+        delta_e_at_held_out_lights: both.map(|errors| errors.delta_e),
+    }
 }
 
 /// The lights that a seeded permutation holds out.
@@ -93,6 +172,7 @@ pub(super) fn held_out_lights(samples: &LightSamples, hold_out: usize, seed: u64
 pub(super) fn wrong(error: FormatError) -> Error {
     match error.field.as_ref() {
         "levels" => Error::wrong_usage("--levels", error.found, error.allowed),
+        "wavelet" => Error::wrong_usage("--wavelet", error.found, error.allowed),
         _ => Error::input(error),
     }
 }

@@ -1,6 +1,6 @@
 //! Report of `brdfc pwt`.
 
-use super::make::{HeldOut, PwtMade};
+use super::make::{HeldOut, HeldOutViews, PwtMade};
 use brdfc_formats::pwt::LightCoordinates;
 use brdfc_pwt::candidates::Candidate;
 use brdfc_pwt::{PwtFacts, PwtTextureFacts, Target};
@@ -22,8 +22,10 @@ pub struct LevelReport {
 /// JSON report of a pack.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PwtReport {
-    /// Columns and rows of the image.
+    /// Columns and rows of the image of each view.
     pub size: [u32; 2],
+    /// Number of views.
+    pub views: u32,
     /// Number of lights that were fitted.
     pub lights: usize,
     /// Terms of the light: polynomials of these coordinates, or learned terms.
@@ -42,7 +44,7 @@ pub struct PwtReport {
     pub levels: Vec<LevelReport>,
     /// Textures, the finest first.
     pub textures: Vec<PwtTextureFacts>,
-    /// Texture fetches per pixel; learned terms take `degree + 1` more for each light, for the mean and each term.
+    /// Texture fetches per pixel of a view, up to three times as many between views; learned terms take `degree + 1` more for each light, for the mean and each term.
     pub fetches: u32,
     /// Bytes on a GPU, mipmaps included.
     pub bytes_on_gpu: u64,
@@ -58,7 +60,9 @@ pub struct PwtReport {
     pub left_out_psnr: Option<f64>,
     /// Errors at held-out lights.
     pub held_out: Option<HeldOut>,
-    /// True if it meets its target, at held-out lights as well.
+    /// Errors at held-out views.
+    pub held_out_views: Option<HeldOutViews>,
+    /// True if it meets its target, at held-out lights and views as well.
     pub met: bool,
 }
 
@@ -83,6 +87,7 @@ impl PwtReport {
         let facts = PwtFacts::new(&encoded.pack);
         Self {
             size: header.size,
+            views: header.view_count(),
             lights: made.lights,
             coordinates: header.basis.coordinates,
             degree: header.basis.degree,
@@ -99,6 +104,7 @@ impl PwtReport {
             delta_e: encoded.errors.delta_e,
             left_out_psnr: taken.held_out_psnr,
             held_out: made.held_out.clone(),
+            held_out_views: made.held_out_views.clone(),
             met: made.missed(target).is_none(),
         }
     }

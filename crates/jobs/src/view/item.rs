@@ -153,7 +153,7 @@ impl ViewItem {
         match (&self.drawn, scene) {
             (Drawn::FlatBtf(decoder, _), ItemScene::Builtin(builtin)) => {
                 let scene = builtin.scene();
-                let covered = covered(&scene, builtin.tiles(), decoder.parts().layers.header().heights);
+                let covered = covered(&scene, builtin.tiles(), decoder.parts().relief.outline()?);
                 (covered.parts[0].mesh != scene.parts[0].mesh).then(|| PackedMesh::new(&covered.parts[0].mesh))
             }
             _ => None,

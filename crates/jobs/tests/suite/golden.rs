@@ -1,6 +1,6 @@
 //! Flat BTFs of committed inputs have the bytes and decoded values in the codec's list; see docs/goldens.md.
 
-use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance};
+use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance, ReliefForm};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
@@ -13,7 +13,7 @@ use brdfc_testing::testdata;
 fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercompress: bool) -> Packs {
     let folder = tempfile::tempdir().expect("a folder for the file");
     let surface = Surface::open(options, None).unwrap_or_else(|error| panic!("{error}"));
-    let job = FlattenJob { name, folder: folder.path(), recipe, supercompress, surface, images: None };
+    let job = FlattenJob { name, folder: folder.path(), recipe, supercompress, surface, images: None, raw: None };
     flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let file = format!("{name}.ktx2");
     let bytes = std::fs::read(folder.path().join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));
@@ -37,6 +37,7 @@ fn meso(geometry: String, materials: &[(Option<&str>, &str)]) -> MesoOptions {
 fn flat_btfs() {
     let set = |azimuths| DirectionSet::grid(2, azimuths, 70.0).expect("a grid of directions");
     let recipe = FlattenRecipe {
+        relief: ReliefForm::Layers,
         texels: 8,
         flat_texels: 8,
         views: set(3),

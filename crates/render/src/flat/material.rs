@@ -24,7 +24,7 @@ impl FlatMaterial {
         if repeat == 0 {
             return Err(FormatError::whole("repeat", "0", "1 or more tiles per unit of uv"));
         }
-        let directions = SampledDirections::of(&decoder.parts().reflectance)?;
+        let directions = SampledDirections::of(decoder.parts())?;
         Ok(Self { decoder, repeat, directions })
     }
 
@@ -38,14 +38,15 @@ impl FlatMaterial {
         self.repeat
     }
 
-    /// The blending of sampled directions; `None` without components.
+    /// The blending of sampled directions; `None` without components and sampled shadows.
     pub fn directions(&self) -> Option<&SampledDirections> {
         self.directions.as_ref()
     }
 
-    /// A scene as it is drawn with the relief of this material.
+    /// A scene as it is drawn with the relief of this material: [`covered`], unless the relief has no outline of its own.
     pub fn cover(&self, scene: &Scene) -> Scene {
-        covered(scene, self.repeat, self.decoder.parts().layers.header().heights)
+        let outline = self.decoder.parts().relief.outline();
+        outline.map_or_else(|| scene.clone(), |heights| covered(scene, self.repeat, heights))
     }
 
     /// Relative radiance at a position in tiles: [`FlatBtfDecoder::shaded`]. `view` and `light` are unit vectors in the

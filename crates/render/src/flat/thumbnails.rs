@@ -51,13 +51,15 @@ fn tile(material: &FlatMaterial) -> Vec<FlatRendering> {
         to_panel(&image, auto_exposure(&image))
     };
     let single = |v: Vector| v.map(|c| c as f32);
-    let seen = |uv: [f64; 2]| decoder.seen(uv.map(|c| c as f32), single(along), 0.0).height;
+    let heights = field(|uv| decoder.seen(uv.map(|c| c as f32), single(along), 0.0).0.rise);
+    let [low, high] = ends(&heights);
+    let above_lowest: Vec<f32> = heights.iter().map(|height| height - low).collect();
     let rendering = |caption: String, panel: Panel| FlatRendering { caption, panel };
     vec![
         rendering("seen and lit along the normal".to_owned(), lit(along, along)),
         rendering(format!("lit from {:.0}°", LIT_FROM[0]), lit(along, direction(LIT_FROM[0], LIT_FROM[1]))),
         rendering(format!("seen from {SLANTED:.0}°"), lit(side, along)),
-        rendering("heights: dark low to light high".to_owned(), scaled(&field(seen), 1.0)),
+        rendering("heights: dark low to light high".to_owned(), scaled(&above_lowest, f64::from(high - low))),
     ]
 }
 
@@ -179,7 +181,7 @@ mod tests {
         let layers = LayerHeader { size: 4, sheets: 1, levels: 1, heights: [0.0, 0.2] };
         let heights = (0..16).map(|k| if k % 4 < 2 { 0 } else { 255 }).collect();
         let layers = LayerMap::new(layers, heights, vec![[0.0; 2]; 4]).unwrap();
-        let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance });
+        let decoder = FlatBtfDecoder::new(FlatBtfParts::new(layers, reflectance));
         flat_renderings(&FlatMaterial::new(decoder, 4).unwrap())
     }
 

@@ -1,7 +1,8 @@
 //! Renderings of polynomial wavelet trees on the surfaces of a scene, under any light.
 //!
 //! Each surface is the image plane of the photographs, bent. Their right is the tangent, their top the bitangent. A
-//! texel is evaluated for the direction to the scene's light in that frame, for every view. One material covers all
+//! texel is evaluated for the directions to the viewer and to the scene's light in that frame; a pack of one view ignores the
+//! former. One material covers all
 //! parts of a scene; their bump maps and mirrors are ignored.
 //!
 //! Values are relative to white in the photographs and include the cosine: a point light of radiant intensity I at
@@ -61,7 +62,9 @@ impl PwtMaterial {
 pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &PwtMaterial) -> LinearImage {
     let decoder = &material.decoder;
     let size = decoder.pack().header().size.map(|side| side as usize);
-    draw(scene, frame, material.repeat, size, |_, uv, level, light| decoder.value(uv, level, light.map(|c| c as f32)))
+    draw(scene, frame, material.repeat, size, |_, uv, level, view, light| {
+        decoder.value(uv, level, view.map(|c| c as f32), light.map(|c| c as f32))
+    })
 }
 
 /// Draws a scene with photographs, one for each light of the scene, independent of its direction.
@@ -71,17 +74,17 @@ pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &PwtMaterial) -> Linea
 pub fn draw_photographs(scene: &Scene, frame: Frame, photographs: &[Photograph], repeat: u32) -> LinearImage {
     assert_eq!(photographs.len(), scene.lights.len(), "a photograph for each light");
     let size = photographs.first().map_or([1; 2], Photograph::size);
-    draw(scene, frame, repeat, size, |light, uv, level, _| photographs[light].value(uv, level))
+    draw(scene, frame, repeat, size, |light, uv, level, _, _| photographs[light].value(uv, level))
 }
 
-/// Draws with `value`, which is relative to white, for a light's number, a position in the image, a mipmap level and a
-/// direction.
+/// Draws with `value`, which is relative to white, for a light's number, a position in the image, a mipmap level, and
+/// directions to the viewer and to the light.
 fn draw(
     scene: &Scene,
     frame: Frame,
     repeat: u32,
     size: [usize; 2],
-    value: impl Fn(usize, [f32; 2], f32, Vector) -> [f32; 3] + Sync,
+    value: impl Fn(usize, [f32; 2], f32, Vector, Vector) -> [f32; 3] + Sync,
 ) -> LinearImage {
     let hits = trace(scene, frame).0;
     sample_means(scene, frame, |pixel, sample| {
@@ -92,6 +95,7 @@ fn draw(
         let level = mipmap_level(steps, repeat, size);
         let from_behind = from_behind(&part.mesh, hit.triangle, point.to_viewer);
         let uv = image_coordinates(point.uv, from_behind, repeat);
+        let outgoing = point.local(point.to_viewer);
         let mut radiance = [0.0; 3];
         for (number, light) in scene.lights.iter().enumerate() {
             let to_light = subtract(light.position, point.position);
@@ -100,7 +104,7 @@ fn draw(
             if incoming[2] <= 0.0 || incoming[2].is_nan() {
                 continue;
             }
-            let value = value(number, uv, level, incoming);
+            let value = value(number, uv, level, outgoing, incoming);
             (0..3).for_each(|k| radiance[k] += f64::from(value[k]) * light.intensity[k] / (PI * squared));
         }
         Some(radiance)
@@ -154,7 +158,7 @@ mod tests {
         let towards = |position| PointLight { position, intensity: [PI * 1e6; 3] };
         scene.lights = vec![towards([1e3, 0.1, 0.0]), towards([0.0, 0.1, -1e3]), towards([0.0, 1e3, 0.0])];
         let found = std::sync::Mutex::new(vec![[0.0; 3]; 3]);
-        draw(&scene, Frame { width: 1, height: 1, samples: 1 }, 1, SIZE, |light, _, _, direction| {
+        draw(&scene, Frame { width: 1, height: 1, samples: 1 }, 1, SIZE, |light, _, _, _, direction| {
             found.lock().unwrap()[light] = direction;
             [0.0; 3]
         });

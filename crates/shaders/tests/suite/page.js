@@ -186,6 +186,10 @@ async function withWebGpu(cases, blobs) {
         device.pushErrorScope('validation');
         if (!pipelines.has(wgsl)) {
             const module = device.createShaderModule({ code: wgsl });
+            const { messages } = await module.getCompilationInfo();
+            for (const { type, lineNum, message } of messages) {
+                if (type === 'error') throw new Error(`${name}, line ${lineNum}: ${message}`);
+            }
             const [vertex, fragment] = ['corner', 'main'].map((entryPoint) => ({ module, entryPoint }));
             fragment.targets = [{ format: 'rgba32float' }];
             pipelines.set(wgsl, await device.createRenderPipelineAsync({ layout: 'auto', vertex, fragment }));

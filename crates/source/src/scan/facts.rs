@@ -1,5 +1,6 @@
 //! Facts about a file of a scan.
 
+use super::fit::{NEIGHBOURS_3D, NEIGHBOURS_4D};
 use super::summary::ScanSummary;
 use brdfc_core::Describe;
 use brdfc_core::StrayRows;
@@ -51,6 +52,11 @@ impl Describe for ScanFacts {
             (.., Some(alta)) => format!("RGB columns, {}", alta.values),
             _ => "RGB columns".to_owned(),
         };
+        let [least, most] = s.neighbours;
+        // Without smoothing the residuals may be errors of the fit.
+        let is_smoothed = most > if s.isotropic { NEIGHBOURS_3D } else { NEIGHBOURS_4D };
+        let noise = format!("{}{}", if is_smoothed { "" } else { "at most " }, percent(s.noise));
+        let neighbours = if least == most { least.to_string() } else { format!("{least} to {most}") };
         let mut lines = vec![
             ("kind", if alta.is_some() { "scattered scan, ALTA table" } else { "scattered scan" }.to_owned()),
             ("rows", format!("{} ({} distinct direction pairs)", s.rows, s.distinct)),
@@ -59,6 +65,8 @@ impl Describe for ScanFacts {
             ("repeated or mirrored rows differ up to", percent(s.largest_disagreement)),
             ("rows with negative channels, raised to 0", s.negative.to_string()),
             ("rows that are all 0", s.zero.to_string()),
+            ("estimated noise of the rows", noise),
+            ("neighbours of a fit", neighbours),
         ];
         if let Some(alta) = alta {
             lines.insert(2, ("directions", alta.directions.clone()));

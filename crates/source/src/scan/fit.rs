@@ -17,8 +17,6 @@ use brdfc_core::Tally;
 pub const NEIGHBOURS_3D: usize = 14;
 /// Neighbours of a fit in 4 dimensions.
 pub const NEIGHBOURS_4D: usize = 20;
-/// Maximum number of neighbours of a fit.
-const MOST: usize = 20;
 /// Terms of a quadratic in 3 dimensions.
 pub const TERMS_3D: usize = 10;
 /// Terms of a quadratic in 4 dimensions.
@@ -34,128 +32,138 @@ const QUADRATIC_SHARE: f64 = 0.5;
 /// Limit of extrapolation below the neighbours, in units of their range.
 const MARGIN_BELOW: f64 = 0.1;
 
-/// Neighbours of one queried point.
+/// Neighbours of one queried point, for a quadratic of `M` terms in `D` dimensions.
 #[derive(Debug, Clone)]
-pub struct Neighbourhood<const D: usize> {
-    count: usize,
-    offsets: [[f64; D]; MOST],
-    weights: [f64; MOST],
-    values: [[f64; 3]; MOST],
+pub struct Neighbourhood<const D: usize, const M: usize> {
+    /// `1, p, p pᵀ` of every neighbour.
+    basis: Vec<[f64; M]>,
+    weights: Vec<f64>,
+    values: Vec<[f64; 3]>,
 }
 
-impl<const D: usize> Default for Neighbourhood<D> {
-    fn default() -> Self {
-        Self { count: 0, offsets: [[0.0; D]; MOST], weights: [0.0; MOST], values: [[0.0; 3]; MOST] }
+/// Fit at a queried point.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Log values.
+    pub value: [f64; 3],
+    /// Share of each neighbour's value in the fit, if it was asked for; their sum is 1 up to the regularisation.
+    pub shares: Vec<f64>,
+}
+
+impl<const D: usize, const M: usize> Neighbourhood<D, M> {
+    /// An empty neighbourhood with memory for `count` neighbours.
+    pub fn with_capacity(count: usize) -> Self {
+        Self { basis: Vec::with_capacity(count), weights: Vec::with_capacity(count), values: Vec::with_capacity(count) }
     }
-}
 
-impl<const D: usize> Neighbourhood<D> {
     /// Adds a neighbour: its offset and distance in units of the support radius (a reciprocal row is farther than its
-    /// offset), and log values. At most 20.
+    /// offset), and log values.
     pub fn push(&mut self, offset: [f64; D], distance: f64, value: [f64; 3]) {
-        let distance = distance.min(1.0);
-        self.offsets[self.count] = offset;
-        self.weights[self.count] = weight(distance);
-        self.values[self.count] = value;
-        self.count += 1;
+        self.basis.push(terms(offset));
+        self.weights.push(weight(distance.min(1.0)));
+        self.values.push(value);
     }
 
     /// Fitted log values at the queried point for the first `channels` channels, limited to the range of the neighbours
     /// with a margin: a quadratic of `M` terms and a linear fit in equal shares, as far as they are trusted. Needs at
     /// least one neighbour.
-    pub fn fit<const M: usize>(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
-        let n = self.count;
-        let mut weights = [0.0; MOST];
-        weights[..n].copy_from_slice(&self.weights[..n]);
-        normalise(&mut weights[..n]);
+    pub fn fit(&self, channels: usize, tally: &mut Tally) -> [f64; 3] {
+        self.fit_with_shares(channels, false, tally).value
+    }
 
+    /// Same as [`Self::fit`], with the shares of the neighbours if `with_shares` is true.
+    pub fn fit_with_shares(&self, channels: usize, with_shares: bool, tally: &mut Tally) -> Fitted {
+        let mut weights = self.weights.clone();
+        normalise(&mut weights);
         let mut mean = [0.0; 3];
-        for k in 0..n {
+        for (weight, value) in weights.iter().zip(&self.values) {
             for channel in 0..channels {
-                mean[channel] += weights[k] * self.values[k][channel];
+                mean[channel] += weight * value[channel];
             }
         }
-        let basis = self.basis::<M>();
-        let mut residuals = [[0.0; 3]; MOST];
-        for k in 0..n {
+        let mut residuals = vec![[0.0; 3]; self.values.len()];
+        for (residual, value) in residuals.iter_mut().zip(&self.values) {
             for channel in 0..channels {
-                residuals[k][channel] = self.values[k][channel] - mean[channel];
+                residual[channel] = value[channel] - mean[channel];
             }
         }
-        let first = solve::<D, M>(&basis[..n], &weights[..n], &residuals[..n]);
-        self.reweigh(&basis, &first, &residuals, channels, &mut weights);
-        let second = solve::<D, M>(&basis[..n], &weights[..n], &residuals[..n]);
+        let plain = if with_shares { weights.clone() } else { Vec::new() };
+        let first = solve::<D, M>(&self.basis, &weights, &residuals);
+        self.reweigh(&first, &residuals, channels, &mut weights);
+        let second = solve::<D, M>(&self.basis, &weights, &residuals);
 
         let trust = second.variance.map(|v| ((TRUST[1] / v).ln() / (TRUST[1] / TRUST[0]).ln()).clamp(0.0, 1.0));
         tally.fell_to_constant += u64::from(trust[0] == 0.0 && trust[1] == 0.0);
         tally.fell_to_linear += u64::from(trust[0] > 0.0 && trust[1] == 0.0);
-
-        let mut fitted = mean;
+        let mut value = mean;
         let mut clamped = false;
         for channel in 0..channels {
             let linear = trust[0] * second.linear[channel][0];
             let blend = linear + QUADRATIC_SHARE * trust[1] * (second.quadratic[channel][0] - linear);
-            let value = mean[channel] + blend;
+            let fitted = mean[channel] + blend;
             let (low, high) = self.range(channel);
-            fitted[channel] = value.clamp(low - MARGIN_BELOW * (high - low), high);
-            clamped |= fitted[channel] != value;
+            value[channel] = fitted.clamp(low - MARGIN_BELOW * (high - low), high);
+            clamped |= value[channel] != fitted;
         }
         tally.clamped_to_neighbours += u64::from(clamped);
-        fitted
+        let quadratic = QUADRATIC_SHARE * trust[1];
+        let parts = [(1.0 - quadratic) * trust[0], quadratic];
+        Fitted { value, shares: self.shares(&plain, &weights, &second, parts) }
+    }
+
+    /// Shares of the values in a fit of a linear and a quadratic part, and the mean by the weights `plain`. Shares of the
+    /// parts are those of residuals from that mean.
+    fn shares(&self, plain: &[f64], weights: &[f64], fit: &Solution<M>, [linear, quadratic]: [f64; 2]) -> Vec<f64> {
+        let share = |((plain, weight), row): ((&f64, &f64), &[f64; M])| {
+            let product = |dual: &[f64; M]| row.iter().zip(dual).map(|(a, b)| a * b).sum::<f64>();
+            let [of_linear, of_quadratic] = [&fit.linear[UNIT], &fit.quadratic[UNIT]].map(product);
+            plain * (1.0 - linear - quadratic) + weight * (linear * of_linear + quadratic * of_quadratic)
+        };
+        plain.iter().zip(weights).zip(&self.basis).map(share).collect()
     }
 
     /// Smallest and largest log value of the neighbours.
     pub fn range(&self, channel: usize) -> (f64, f64) {
-        let values = self.values[..self.count].iter().map(|v| v[channel]);
+        let values = self.values.iter().map(|v| v[channel]);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     }
 
-    /// `1, p, p pᵀ` of every neighbour.
-    fn basis<const M: usize>(&self) -> [[f64; M]; MOST] {
-        let mut basis = [[0.0; M]; MOST];
-        for (row, p) in basis.iter_mut().zip(&self.offsets[..self.count]) {
-            row[0] = 1.0;
-            row[1..=D].copy_from_slice(p);
-            let mut term = D + 1;
-            for a in 0..D {
-                for b in a..D {
-                    row[term] = p[a] * p[b];
-                    term += 1;
-                }
-            }
-        }
-        basis
-    }
-
     /// Biweights from the residuals of the mean of both fits, over all channels together.
-    fn reweigh<const M: usize>(
-        &self,
-        basis: &[[f64; M]; MOST],
-        fit: &Solution<M>,
-        residuals: &[[f64; 3]; MOST],
-        channels: usize,
-        weights: &mut [f64; MOST],
-    ) {
-        let n = self.count;
-        let mut missed = [0.0; MOST];
-        for k in 0..n {
+    fn reweigh(&self, fit: &Solution<M>, residuals: &[[f64; 3]], channels: usize, weights: &mut [f64]) {
+        let missed = |(row, residual): (&[f64; M], &[f64; 3])| {
             let mut square = 0.0;
             for channel in 0..channels {
-                let linear: f64 = (0..=D).map(|t| basis[k][t] * fit.linear[channel][t]).sum();
-                let quadratic: f64 = (0..M).map(|t| basis[k][t] * fit.quadratic[channel][t]).sum();
-                square += (residuals[k][channel] - 0.5 * (linear + quadratic)).powi(2);
+                let linear: f64 = (0..=D).map(|t| row[t] * fit.linear[channel][t]).sum();
+                let quadratic: f64 = (0..M).map(|t| row[t] * fit.quadratic[channel][t]).sum();
+                square += (residual[channel] - 0.5 * (linear + quadratic)).powi(2);
             }
-            missed[k] = (square / channels as f64).sqrt();
-        }
-        let mut sorted = missed;
-        sorted[..n].sort_unstable_by(f64::total_cmp);
+            (square / channels as f64).sqrt()
+        };
+        let missed: Vec<f64> = self.basis.iter().zip(residuals).map(missed).collect();
+        let mut sorted = missed.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let n = sorted.len();
         let median = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
-        for k in 0..n {
-            let u = (missed[k] / (OUTLIER * median + 1e-3)).min(1.0);
-            weights[k] *= biweight(u) + 1e-4;
+        for (weight, missed) in weights.iter_mut().zip(missed) {
+            *weight *= biweight((missed / (OUTLIER * median + 1e-3)).min(1.0)) + 1e-4;
         }
-        normalise(&mut weights[..n]);
+        normalise(weights);
     }
+}
+
+/// `1, p, p pᵀ` of an offset.
+fn terms<const D: usize, const M: usize>(p: [f64; D]) -> [f64; M] {
+    let mut row = [0.0; M];
+    row[0] = 1.0;
+    row[1..=D].copy_from_slice(&p);
+    let mut term = D + 1;
+    for a in 0..D {
+        for b in a..D {
+            row[term] = p[a] * p[b];
+            term += 1;
+        }
+    }
+    row
 }
 
 /// Weight of a neighbour in the fit, by its distance in units of the support radius, 0 to 1: `(1 - d³)³`, tricube.
@@ -177,19 +185,21 @@ fn normalise(weights: &mut [f64]) {
     }
 }
 
-/// Coefficients of both fits, per channel, and variance factors of their values at the queried point.
+/// Coefficients of both fits, per right-hand side, and variance factors of their values at the queried point.
 #[derive(Debug, Clone)]
 pub struct Solution<const M: usize> {
     /// Coefficients of the linear fit; 0 beyond its terms.
-    pub linear: [[f64; M]; 3],
+    pub linear: [[f64; M]; RIGHT],
     /// Coefficients of the quadratic fit.
-    pub quadratic: [[f64; M]; 3],
+    pub quadratic: [[f64; M]; RIGHT],
     /// Variance factors of the linear and the quadratic value.
     pub variance: [f64; 2],
 }
 
 /// Number of right-hand sides: one per channel, and the unit vector of the constant term.
 const RIGHT: usize = 4;
+/// Index of the unit vector among them: its solution is the first column of the inverse.
+const UNIT: usize = 3;
 
 /// Solves `(BᵀWB + ridge) a = BᵀW e` for the quadratic basis of `M` terms and for its linear part, by elimination
 /// without pivoting: the matrix is symmetric and positive, and the linear system is its leading block.
@@ -211,7 +221,7 @@ pub fn solve<const D: usize, const M: usize>(
             }
         }
     }
-    right[0][3] = 1.0;
+    right[0][UNIT] = 1.0;
     for term in 0..M {
         matrix[term][term] += RIDGE[if term == 0 { 0 } else { 1 + usize::from(term > D) }];
     }
@@ -229,11 +239,11 @@ pub fn solve<const D: usize, const M: usize>(
             }
         }
     }
-    let mut solution = Solution { linear: [[0.0; M]; 3], quadratic: [[0.0; M]; 3], variance: [0.0; 2] };
+    let mut solution = Solution { linear: [[0.0; M]; RIGHT], quadratic: [[0.0; M]; RIGHT], variance: [0.0; 2] };
     substitute_back(&matrix, &right, D + 1, &mut solution.linear);
     substitute_back(&matrix, &right, M, &mut solution.quadratic);
     // With L D Lᵀ = A and y = L⁻¹ e₀, the corner of the inverse is yᵀ D⁻¹ y.
-    let corner = |count: usize| (0..count).map(|j| right[j][3] * right[j][3] / matrix[j][j]).sum();
+    let corner = |count: usize| (0..count).map(|j| right[j][UNIT] * right[j][UNIT] / matrix[j][j]).sum();
     solution.variance = [corner(D + 1), corner(M)];
     solution
 }
@@ -243,15 +253,15 @@ fn substitute_back<const M: usize>(
     matrix: &[[f64; M]; M],
     right: &[[f64; RIGHT]; M],
     m: usize,
-    solution: &mut [[f64; M]; 3],
+    solution: &mut [[f64; M]; RIGHT],
 ) {
     for i in (0..m).rev() {
-        for channel in 0..3 {
-            let mut value = right[i][channel];
+        for side in 0..RIGHT {
+            let mut value = right[i][side];
             for k in i + 1..m {
-                value -= matrix[i][k] * solution[channel][k];
+                value -= matrix[i][k] * solution[side][k];
             }
-            solution[channel][i] = value / matrix[i][i];
+            solution[side][i] = value / matrix[i][i];
         }
     }
 }
@@ -277,13 +287,13 @@ mod tests {
     }
 
     fn fitted(value: impl Fn([f64; 3]) -> f64) -> (f64, Tally) {
-        let mut neighbourhood = Neighbourhood::<3>::default();
+        let mut neighbourhood = Neighbourhood::<3, TERMS_3D>::with_capacity(15);
         for p in spread() {
             let distance = p.iter().map(|c| c * c).sum::<f64>().sqrt();
             neighbourhood.push(p, distance, [value(p); 3]);
         }
         let mut tally = Tally::default();
-        (neighbourhood.fit::<TERMS_3D>(1, &mut tally)[0], tally)
+        (neighbourhood.fit(1, &mut tally)[0], tally)
     }
 
     #[test]
@@ -313,17 +323,17 @@ mod tests {
     #[test]
     fn degenerate_neighbourhoods_fall_back_and_are_counted() {
         let mut tally = Tally::default();
-        let mut line = Neighbourhood::<3>::default();
+        let mut line = Neighbourhood::<3, TERMS_3D>::with_capacity(15);
         for k in 0..12 {
             let x = 0.7 + 0.02 * f64::from(k);
             line.push([x, 0.0, 0.0], x, [f64::from(k); 3]);
         }
-        let value = line.fit::<TERMS_3D>(3, &mut tally);
+        let value = line.fit(3, &mut tally);
         assert!(value.iter().all(|v| v.is_finite()) && tally.fell_to_constant + tally.fell_to_linear == 1, "{tally:?}");
-        let mut same = Neighbourhood::<3>::default();
+        let mut same = Neighbourhood::<3, TERMS_3D>::with_capacity(15);
         for k in 0..12 {
             same.push([0.0; 3], 0.0, [f64::from(k % 2); 3]);
         }
-        assert!((same.fit::<TERMS_3D>(3, &mut tally)[0] - 0.5).abs() < 1e-6);
+        assert!((same.fit(3, &mut tally)[0] - 0.5).abs() < 1e-6);
     }
 }

@@ -1,6 +1,7 @@
 //! Cross-validation of scans: scans without some of their rows, and the distance of a direction pair from the rows.
 
 use super::rise::{polar, rise_to_mirror};
+use super::strength::Strength;
 use super::{Points, ScanSource, Tree};
 use crate::scan::coordinates::{Anisotropic, Isotropic, Space};
 use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats, Rise};
@@ -41,7 +42,7 @@ impl ScanSource {
         let is_copy = |row: usize, pair: DirectionPair| {
             let other = rows.get(&self.place(pair.exchanged())).filter(|other| **other != row)?;
             let near = |(a, b): (&f64, &f64)| (a - b).abs() < COPY;
-            self.values[row].iter().zip(&self.values[*other]).all(near).then(|| pair.exchanged())
+            self.measured[row].iter().zip(&self.measured[*other]).all(near).then(|| pair.exchanged())
         };
         let key_of = |(row, pair): (usize, &DirectionPair)| {
             let (own, other) = (key(pair), is_copy(row, *pair).map(|pair| key(&pair)));
@@ -101,11 +102,16 @@ impl Completion for ScanSource {
             Parts::Incidences => self.incidences().0[row],
         };
         let folds = self.fold_count(parts);
-        let value = |row: usize| self.values[row].map(|v| (v.exp() - self.bias).max(0.0));
+        let value = |row: usize| self.measured[row].map(|v| (v.exp() - self.bias).max(0.0));
         let (out, rest): (Vec<usize>, Vec<usize>) = (0..rows).partition(|row| of_row(*row) % folds == number);
         let pairs: Vec<DirectionPair> = rest.iter().map(|row| self.pairs[*row]).collect();
-        let values: Vec<[f64; 3]> = rest.into_iter().map(value).collect();
-        let source = Self::of_pairs(&pairs, &values, self.summary.isotropic).ok()?;
+        let values: Vec<[f64; 3]> = rest.iter().map(|row| value(*row)).collect();
+        // The strength of the whole scan.
+        let strength = match &self.smoothed {
+            Some((sizes, _)) => Strength::OfRows(rest.iter().map(|row| sizes[*row]).collect()),
+            None => Strength::Neighbours(self.neighbours),
+        };
+        let source = Self::of_pairs(&pairs, &values, self.summary.isotropic, &strength).ok()?;
         let left_out = out.into_iter().map(|row| (self.pairs[row], value(row))).collect();
         Some(Fold { source: Box::new(source), left_out })
     }
@@ -123,7 +129,7 @@ impl Completion for ScanSource {
 
     fn rise(&self) -> Option<Rise> {
         let luminance = |value: &[f64; 3]| value.iter().map(|v| (v.exp() - self.bias).max(0.0)).sum::<f64>();
-        rise_to_mirror(self.pairs.iter().copied().zip(self.values.iter().map(luminance)))
+        rise_to_mirror(self.pairs.iter().copied().zip(self.measured.iter().map(luminance)))
     }
 }
 
@@ -176,7 +182,7 @@ mod tests {
                 }
             }
         }
-        ScanSource::of_pairs(&pairs, &values, true).unwrap()
+        ScanSource::of_pairs(&pairs, &values, true, &Strength::Chosen).unwrap()
     }
 
     #[test]

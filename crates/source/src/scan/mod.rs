@@ -8,6 +8,7 @@ mod folds;
 mod incidence;
 mod merge;
 mod rise;
+mod strength;
 mod summary;
 
 pub use facts::{AltaHeader, ScanFacts};
@@ -15,7 +16,7 @@ pub use summary::ScanSummary;
 
 use super::error::InputError;
 use super::format::{Format, Opened};
-use super::input::InputFile;
+use super::input::{Input, InputFile};
 use brdfc_core::StrayRows;
 use brdfc_core::source::{Completion, Repeats};
 use brdfc_core::words::counted;
@@ -26,12 +27,10 @@ use brdfc_readers::alta::{self, AltaTable};
 use brdfc_readers::scan::{self, Row, Scan};
 use brdfc_readers::scan_csv;
 use coordinates::{Anisotropic, Isotropic, Space};
-use fit::Neighbourhood;
 use incidence::Incidence;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use merge::{Group, merge};
-use std::num::NonZero;
 use std::sync::OnceLock;
+use strength::{Rows, Smoothed, Strength, Tree};
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
@@ -53,23 +52,39 @@ pub(crate) const fn alta_format<F: From<ScanFacts>>() -> Format<F> {
     Format { name: "ALTA", kind: &alta::KIND, open: open_alta }
 }
 
+/// Returns true for an input whose extension, or contents on standard input, are those of a scan.
+///
+/// # Errors
+/// Returns an error if standard input cannot be read.
+pub fn is_scan(input: &Input) -> Result<bool, InputError> {
+    let extension = input.extension()?;
+    Ok([&scan::KIND, &scan_csv::KIND, &alta::KIND].iter().any(|kind| kind.extensions.contains(&extension.as_str())))
+}
+
 fn open_text<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None))
+    let neighbours = input.reading.neighbours;
+    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None, neighbours))
 }
 
 fn open_csv<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None))
+    let neighbours = input.reading.neighbours;
+    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None, neighbours))
 }
 
 fn open_alta<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
+    let neighbours = input.reading.neighbours;
     input.parse_text(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
-        opened(&table.scan, Some(&table))
+        opened(&table.scan, Some(&table), neighbours)
     })
 }
 
-fn opened<F: From<ScanFacts>>(scan: &Scan, alta: Option<&AltaTable>) -> Result<Opened<F>, FormatError> {
-    let source = ScanSource::new(scan)?;
+fn opened<F: From<ScanFacts>>(
+    scan: &Scan,
+    alta: Option<&AltaTable>,
+    neighbours: Option<usize>,
+) -> Result<Opened<F>, FormatError> {
+    let source = ScanSource::with_neighbours(scan, neighbours)?;
     let left_out = alta.map(|table| table.left_out).filter(|count| *count > 0);
     let summary = ScanSummary { left_out, ..source.summary() };
     let alta = alta.map(|table| AltaHeader {
@@ -86,8 +101,12 @@ pub struct ScanSource {
     points: Points,
     /// The distinct direction pairs, as measured.
     pairs: Vec<DirectionPair>,
-    /// `ln(f + bias)` of each pair.
-    values: Vec<[f64; 3]>,
+    /// `ln(f + bias)` of each pair, as measured.
+    measured: Vec<[f64; 3]>,
+    /// Number of neighbours of each pair and its fitted log values, for a noisy scan.
+    smoothed: Option<(Vec<usize>, Vec<[f64; 3]>)>,
+    /// Number of neighbours of fits at queried pairs.
+    neighbours: usize,
     bias: f64,
     grey: bool,
     repeats: Option<Repeats>,
@@ -102,14 +121,6 @@ enum Points {
     Anisotropic(Tree<5>),
 }
 
-/// Positions in a search space of `S` axes, including images; items of the tree are indices of positions.
-struct Tree<const S: usize> {
-    tree: ImmutableKdTree<f64, S>,
-    positions: Vec<[f64; S]>,
-    /// Index of the value of each position, image or not.
-    value_of: Vec<u32>,
-}
-
 impl std::fmt::Debug for ScanSource {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ScanSource").field("summary", &self.summary).finish_non_exhaustive()
@@ -117,23 +128,32 @@ impl std::fmt::Debug for ScanSource {
 }
 
 impl ScanSource {
-    /// Builds the search tree. Rows whose azimuth of incidence differs from the common one are taken as isotropic, and
-    /// compared with the others.
+    /// Completes a scan, with a strength that left-out rows choose.
     ///
     /// # Errors
     /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs.
     pub fn new(scan: &Scan) -> Result<Self, FormatError> {
+        Self::with_neighbours(scan, None)
+    }
+
+    /// Builds the search tree. Fits have this number of neighbours; `None` chooses it by left-out rows. Rows whose azimuth
+    /// of incidence differs from the common one are taken as isotropic, and compared with the others.
+    ///
+    /// # Errors
+    /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours.
+    pub fn with_neighbours(scan: &Scan, neighbours: Option<usize>) -> Result<Self, FormatError> {
+        let strength = &neighbours.map_or(Strength::Chosen, Strength::Neighbours);
         let strays = match Incidence::of(&scan.rows) {
-            Incidence::Several => return Self::of_rows(&scan.rows, false),
+            Incidence::Several => return Self::of_rows(&scan.rows, false, strength),
             Incidence::One(strays) => strays,
         };
-        let Some(first) = strays.first().copied() else { return Self::of_rows(&scan.rows, true) };
+        let Some(first) = strays.first().copied() else { return Self::of_rows(&scan.rows, true, strength) };
         let mut next = strays.iter().copied().peekable();
         let others: Vec<Row> =
             (0..scan.rows.len()).filter(|row| next.next_if_eq(row).is_none()).map(|row| scan.rows[row]).collect();
-        let Ok(others) = Self::of_rows(&others, true) else {
+        let Ok(others) = Self::of_rows(&others, true, &Strength::Chosen) else {
             // Too few rows for a comparison.
-            return Self::of_rows(&scan.rows, false);
+            return Self::of_rows(&scan.rows, false, strength);
         };
         let strays = StrayRows {
             rows: strays.len(),
@@ -143,21 +163,32 @@ impl ScanSource {
             difference: mean_difference(strays.iter().map(|row| &scan.rows[*row]), &others),
         };
         drop(others);
-        let mut source = Self::of_rows(&scan.rows, true)?;
+        let mut source = Self::of_rows(&scan.rows, true, strength)?;
         source.summary.strays = Some(strays);
         Ok(source)
     }
 
-    fn of_rows(rows: &[Row], isotropic: bool) -> Result<Self, FormatError> {
+    fn of_rows(rows: &[Row], isotropic: bool, strength: &Strength) -> Result<Self, FormatError> {
         let pairs: Vec<DirectionPair> = rows.iter().map(pair_of).collect();
         let raised: Vec<[f64; 3]> = rows.iter().map(|r| r.value.map(|v| v.max(0.0))).collect();
         let negative = rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count();
-        let source = Self::of_pairs(&pairs, &raised, isotropic)?;
+        let source = Self::of_pairs(&pairs, &raised, isotropic, strength)?;
+        if let Strength::Neighbours(count) = strength
+            && !(1..=source.pairs.len()).contains(count)
+        {
+            let allowed = format!("1 to {}, the number of distinct direction pairs", source.pairs.len());
+            return Err(FormatError::whole("neighbours", count.to_string(), allowed));
+        }
         Ok(Self { summary: ScanSummary { negative, ..source.summary }, ..source })
     }
 
     /// Creates a source from direction pairs with values of 0 or more.
-    fn of_pairs(pairs: &[DirectionPair], raised: &[[f64; 3]], isotropic: bool) -> Result<Self, FormatError> {
+    fn of_pairs(
+        pairs: &[DirectionPair],
+        raised: &[[f64; 3]],
+        isotropic: bool,
+        strength: &Strength,
+    ) -> Result<Self, FormatError> {
         let (points, groups) = if isotropic {
             let (entries, groups) = entries::<3, 4, Isotropic>(pairs, raised);
             (Points::Isotropic(Tree::new(entries)), groups)
@@ -183,14 +214,45 @@ impl ScanSource {
             isotropic,
             strays: None,
             left_out: None,
+            noise: 0.0,
+            neighbours: [0; 2],
         };
         let grey = raised.iter().all(|[r, g, b]| {
             let tolerance = 1e-12 * r.max(*g).max(*b);
             (r - g).abs() <= tolerance && (g - b).abs() <= tolerance
         });
-        let values = groups.iter().map(|group| group.mean().map(|v| (v + bias).ln())).collect();
-        let pairs = groups.iter().map(|group| pairs[group.representative]).collect();
-        Ok(Self { points, pairs, values, bias, grey, repeats, incidences: OnceLock::new(), summary })
+        let measured: Vec<[f64; 3]> = groups.iter().map(|group| group.mean().map(|v| (v + bias).ln())).collect();
+        let pairs: Vec<DirectionPair> = groups.iter().map(|group| pairs[group.representative]).collect();
+        let neighbours = if isotropic { fit::NEIGHBOURS_3D } else { fit::NEIGHBOURS_4D };
+        let incidences = OnceLock::new();
+        let mut source =
+            Self { points, pairs, measured, smoothed: None, neighbours, bias, grey, repeats, incidences, summary };
+        source.smooth(strength);
+        Ok(source)
+    }
+
+    /// Smooths the rows by the requested strength.
+    fn smooth(&mut self, strength: &Strength) {
+        let default = self.neighbours;
+        if let Strength::Neighbours(count) = strength {
+            self.neighbours = default.min(*count).max(1);
+        }
+        let spread = self.repeats.map_or(0.0, |repeats| repeats.spread);
+        let Smoothed { rows: smoothed, noise } = match &self.points {
+            Points::Isotropic(tree) => {
+                self.rows(tree).smoothed::<3, { fit::TERMS_3D }, Isotropic>(default, strength, spread)
+            }
+            Points::Anisotropic(tree) => {
+                self.rows(tree).smoothed::<4, { fit::TERMS_4D }, Anisotropic>(default, strength, spread)
+            }
+        };
+        self.summary.noise = noise;
+        let sizes = smoothed.iter().flat_map(|(sizes, _)| sizes.iter().copied());
+        self.summary.neighbours = match (sizes.clone().min(), sizes.max()) {
+            (Some(least), Some(most)) => [least, most],
+            _ => [self.neighbours; 2],
+        };
+        self.smoothed = smoothed;
     }
 
     /// Counts and repairs of the scan.
@@ -198,33 +260,21 @@ impl ScanSource {
         self.summary
     }
 
+    fn rows<'a, const S: usize>(&'a self, tree: &'a Tree<S>) -> Rows<'a, S> {
+        let values = self.smoothed.as_ref().map_or(&self.measured, |(_, values)| values);
+        Rows { tree, pairs: &self.pairs, values, bias: self.bias, channels: if self.grey { 1 } else { 3 } }
+    }
+
     fn fit<const D: usize, const S: usize, const M: usize, P: Space<D, S>>(
         &self,
         tree: &Tree<S>,
         pair: DirectionPair,
-        neighbours: usize,
         tally: &mut Tally,
     ) -> [f64; 3] {
-        let point = P::place(pair);
-        let mut query = [0.0; S];
-        query[..D].copy_from_slice(&point);
-        let count = NonZero::new(neighbours + 1).expect("at least one");
-        let found = tree.tree.query(&query).nearest_n::<SquaredEuclidean<f64>>(count).execute();
-        // The support reaches just past the first unused neighbour, so that weights of neighbours vanish at its
-        // border.
-        let radius = (1.001 * found.last().map_or(0.0, |f| f.distance.sqrt())).max(1e-6);
-        let mut neighbourhood = Neighbourhood::<D>::default();
-        for item in found.iter().take(neighbours) {
-            let position = tree.positions[item.item as usize];
-            let mut offset = [0.0; D];
-            for axis in 0..D {
-                offset[axis] = (position[axis] - point[axis]) / radius;
-            }
-            let value = self.values[tree.value_of[item.item as usize] as usize];
-            neighbourhood.push(offset, item.distance.sqrt() / radius, value);
-        }
-        let channels = if self.grey { 1 } else { 3 };
-        let fitted = neighbourhood.fit::<M>(channels, tally);
+        let rows = self.rows(tree);
+        let (neighbourhood, _) = rows.around::<D, M, P>(pair, self.neighbours);
+        let channels = rows.channels;
+        let fitted = neighbourhood.fit(channels, tally);
         let mut value = [0.0; 3];
         for channel in 0..channels {
             let least = 0.5 * (neighbourhood.range(channel).0.exp() - self.bias);
@@ -241,12 +291,8 @@ impl Source for ScanSource {
             return [0.0; 3];
         }
         match &self.points {
-            Points::Isotropic(tree) => {
-                self.fit::<3, 4, { fit::TERMS_3D }, Isotropic>(tree, pair, fit::NEIGHBOURS_3D, tally)
-            }
-            Points::Anisotropic(tree) => {
-                self.fit::<4, 5, { fit::TERMS_4D }, Anisotropic>(tree, pair, fit::NEIGHBOURS_4D, tally)
-            }
+            Points::Isotropic(tree) => self.fit::<3, 4, { fit::TERMS_3D }, Isotropic>(tree, pair, tally),
+            Points::Anisotropic(tree) => self.fit::<4, 5, { fit::TERMS_4D }, Anisotropic>(tree, pair, tally),
         }
     }
 
@@ -262,13 +308,6 @@ impl Source for ScanSource {
 
     fn completion(&self) -> Option<&dyn Completion> {
         Some(self)
-    }
-}
-
-impl<const S: usize> Tree<S> {
-    fn new((positions, value_of): (Vec<[f64; S]>, Vec<u32>)) -> Self {
-        let tree = ImmutableKdTree::new_from_slice(&positions).expect("positions are finite");
-        Self { tree, positions, value_of }
     }
 }
 

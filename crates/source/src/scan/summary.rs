@@ -24,4 +24,9 @@ pub struct ScanSummary {
     /// Number of ignored rows of the file: directions at or below the horizon. Absent without such rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<usize>,
+    /// Estimated noise of the rows: standard deviation as a fraction of the value, from left-out rows. Without noise it is
+    /// the error of the fit.
+    pub noise: f64,
+    /// Smallest and largest number of neighbours of the fits at rows.
+    pub neighbours: [usize; 2],
 }

@@ -5,6 +5,7 @@ mod direction_set;
 mod flat_btf_files;
 mod gonio_held_out;
 mod large_files;
+mod noisy_scans;
 mod rgl_corrupt;
 mod rgl_oracle;
 mod rgl_synthetic;

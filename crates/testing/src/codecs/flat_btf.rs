@@ -3,11 +3,13 @@
 //! Cases with exact weights: a ray jumps where it passes an edge, or where it takes another number of steps, and
 //! engines round differently. Queries whose values jump nearby are replaced.
 //!
+//! Texels of indirection maps have borders, too, where values jump.
+//!
 //! Bounds with the sampler filtering: a ray through filtered heights may jump to another sheet, so its error has no
-//! bound by differences. The layers of these cases have one height and one displacement, so that positions are exact up
-//! to rounding. Values are not sums of filtered values. The bound is three times the sum of the changes of the value
-//! when the place and the level are each moved by the step: both mipmap levels are rounded separately, and values bend
-//! between the steps.
+//! bound by differences. The layers of these cases have one height and one displacement, and so have the indirection maps,
+//! so that positions are exact up to rounding. Values are not sums of filtered values. The bound is three times the sum
+//! of the changes of the value when the place and the level are each moved by the step: both mipmap levels are rounded
+//! separately, and values bend between the steps.
 
 mod made_up;
 
@@ -22,28 +24,48 @@ use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::factored::{BaseAngles, FactoredFlatBtf};
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, SampledDirections, ViewWeights};
+use brdfc_formats::flat_btf::{
+    FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, Relief, SampledDirections, ShadowMap, Vdim, VdimSamples,
+    ViewWeights,
+};
 use brdfc_formats::{Pack, PackKind};
 
-/// Layers of these sizes.
-type MakeLayers = fn(Sizes) -> LayerMap;
+/// Makes layers of these sizes, and indirection maps of these sizes for a number of lights: of halves, and compact.
+type MakeRelief = (fn(Sizes) -> LayerMap, [fn(Sizes, u32) -> Vdim; 2]);
 
-/// Flat BTFs with each kind of values and of shadows.
-fn some_flat_btfs(layers: MakeLayers) -> [(&'static str, FlatBtfDecoder); 4] {
+/// Flat BTFs with each kind of values, of relief and of shadows.
+fn some_flat_btfs((layers, [map, compact]): MakeRelief) -> [(&'static str, FlatBtfDecoder); 7] {
     let one_sheet = Sizes { sheets: 1, ..SMALL };
     let with_residual = Factors { groups: 3, wide_groups: 1, residual: 2, ..BASE };
     let without_residual = Factors { groups: 1, residual: 0, ..with_residual };
     [
-        ("base alone", layers(one_sheet), factored(SMALL, BASE, 4)),
-        ("two materials", layers(SMALL), factored(SMALL, MATERIALS, 7)),
-        ("components with a residual", layers(SMALL), factored(SMALL, with_residual, 5)),
-        ("components", layers(SMALL), factored(SMALL, without_residual, 6)),
+        ("base alone", layers(one_sheet).into(), factored(SMALL, BASE, 4)),
+        ("two materials", layers(SMALL).into(), factored(SMALL, MATERIALS, 7)),
+        ("components with a residual", layers(SMALL).into(), factored(SMALL, with_residual, 5)),
+        ("components", layers(SMALL).into(), factored(SMALL, without_residual, 6)),
+        (
+            "indirection map with shadows",
+            sampled_relief(SMALL, true, |lights| map(SMALL, lights)),
+            factored(SMALL, MATERIALS, 7),
+        ),
+        (
+            "indirection map with components",
+            sampled_relief(SMALL, false, |lights| map(SMALL, lights)),
+            factored(SMALL, without_residual, 6),
+        ),
+        (
+            "compact indirection map with shadows",
+            sampled_relief(SMALL, true, |lights| compact(SMALL, lights)),
+            factored(SMALL, MATERIALS, 7),
+        ),
     ]
-    .map(|(name, layers, reflectance)| (name, FlatBtfDecoder::new(FlatBtfParts { layers, reflectance })))
+    .map(|(name, relief, reflectance): (_, Relief, _)| {
+        (name, FlatBtfDecoder::new(FlatBtfParts::new(relief, reflectance)))
+    })
 }
 
 fn directions_of(decoder: &FlatBtfDecoder) -> Option<SampledDirections> {
-    SampledDirections::of(&decoder.parts().reflectance).unwrap()
+    SampledDirections::of(decoder.parts()).unwrap()
 }
 
 /// A place, a level, a view and a light.
@@ -115,8 +137,8 @@ fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, 
 fn table_bound(decoder: &FlatBtfDecoder, [a, b, c]: &Query) -> [f32; 3] {
     let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
     let reflectance = &decoder.parts().reflectance;
-    let point = decoder.seen([a[0], a[1]], view, a[2]);
-    let texel = reflectance.filtered(decoder.parameters(&point, a[2]), a[2]);
+    let (_, parameters) = decoder.seen([a[0], a[1]], view, a[2]);
+    let texel = reflectance.filtered(parameters, a[2]);
     let base = texel.base();
     let mut most = [0.0f32; 3];
     for material in reflectance.basis().materials() {
@@ -147,7 +169,7 @@ fn case(
     Case { name: name.to_owned(), decoder: PackKind::FlatBtf, bindings, frame, files, queries, expected }
 }
 
-/// The case of a flat BTF with layers of one height.
+/// The case of a flat BTF with layers of one height, or an indirection map of one displacement.
 fn sampler_case(name: &str, decoder: &FlatBtfDecoder) -> SamplerCase {
     let (directions, mut numbers) = (directions_of(decoder), Numbers::new(14));
     let queries = (0..SIDE * SIDE).map(|at| any_query(&mut numbers, at));
@@ -171,11 +193,16 @@ impl TestedCodec for FlatBtf {
             let file = FlatBtfFile::new(decoder.clone()).unwrap().to_bytes(true);
             case(name, &decoder, EXACT, vec![file], steady_queries(&decoder))
         };
-        some_flat_btfs(|sizes| layers(sizes, 4)).into_iter().map(case).collect()
+        let maps: [fn(Sizes, u32) -> Vdim; 2] =
+            [|sizes, lights| indirections(sizes, lights, 8), |sizes, lights| compact_indirections(sizes, lights, 8)];
+        some_flat_btfs((|sizes| layers(sizes, 4), maps)).into_iter().map(case).collect()
     }
 
     fn sampler_cases(&self) -> Vec<SamplerCase> {
-        some_flat_btfs(flat_relief).iter().map(|(name, decoder)| sampler_case(name, decoder)).collect()
+        some_flat_btfs((flat_relief, [flat_indirections, flat_compact_indirections]))
+            .iter()
+            .map(|(name, decoder)| sampler_case(name, decoder))
+            .collect()
     }
 
     fn committed(&self) -> Files {
@@ -184,6 +211,8 @@ impl TestedCodec for FlatBtf {
             ("base", base_file()),
             ("materials", materials_file()),
             ("factored", file(layers(SMALL, 13), factored(SMALL, factors, 5))),
+            ("vdim", vdim_file()),
+            ("vdim-compact", compact_vdim_file()),
             // Its numbers follow simple rules, for which a decoder in another language was written.
             ("example", file(example_layers(), factored_example())),
         ];
@@ -202,22 +231,18 @@ impl TestedCodec for FlatBtf {
         let Pack::FlatBtf(file) = pack else { unreachable!("{}", pack.kind().name()) };
         let mut numbers = Values::default();
         let decoder = &file.decoder;
-        let FlatBtfParts { layers, reflectance } = decoder.parts();
-        let header = layers.header();
-        numbers.words([header.size, header.sheets, header.levels]);
-        numbers.add(header.heights);
-        let displacements = layers.displacement_bytes();
-        numbers.words(layers.height_bytes().iter().chain(&displacements).map(|byte| u32::from(*byte)));
+        let FlatBtfParts { relief, reflectance } = decoder.parts();
+        relief_values(relief, &mut numbers);
         if let Some(directions) = &file.directions {
             numbers.words(directions.texels());
         }
         for view in hemisphere().map(single) {
             for (k, uv) in (0..).zip(points()) {
                 let level = level_of(k);
-                let point = decoder.seen(uv, view, level);
+                let (point, parameters) = decoder.seen(uv, view, level);
                 numbers.add([point.at[0], point.at[1], point.height]);
                 numbers.words([point.sheet as u32]);
-                numbers.add(decoder.parameters(&point, level));
+                numbers.add(parameters);
             }
         }
         factored_values(reflectance, &mut numbers);
@@ -228,6 +253,26 @@ impl TestedCodec for FlatBtf {
         }
         of_columns([("values", numbers)])
     }
+}
+
+fn relief_values(relief: &Relief, numbers: &mut Values) {
+    let bytes = match relief {
+        Relief::Layers(layers) => {
+            let header = layers.header();
+            numbers.words([header.size, header.sheets, header.levels]);
+            numbers.add(header.heights);
+            [layers.height_bytes(), &layers.displacement_bytes()].concat()
+        }
+        Relief::Vdim(map, shadows) => {
+            let shadows = shadows.as_ref().map_or(&[][..], ShadowMap::texels);
+            let compact = match map.samples() {
+                VdimSamples::Compact(samples) => [&samples.heights[..], &samples.range_bytes()].concat(),
+                VdimSamples::Halves(_) => Vec::new(),
+            };
+            [&map.reference_bytes(), &map.packed_bytes()[..], &compact, shadows].concat()
+        }
+    };
+    numbers.words(bytes.into_iter().map(u32::from));
 }
 
 /// A level of detail for a point, at and between mipmap levels, some beyond them.

@@ -10,6 +10,8 @@ use crate::golden::foreign::foreign_forms;
 use crate::golden::values::{Values, directions, of_columns, points, single as as_f32};
 use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
+use brdfc_formats::direction_mesh::DirectionMesh;
+use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::pwt::{
     Component, Domain, LightBasis, LightCoordinates, LightMap, PWT_ENTRY, PwtDecoder, PwtErrors, PwtHeader, PwtPack,
     TextureHeader,
@@ -27,6 +29,7 @@ pub fn plain(size: [u32; 2], extent: [u32; 2], levels: u32, basis: LightBasis) -
         repeats: false,
         levels,
         basis,
+        views: None,
         domain: Domain::Linear,
         colour: [[1.0; 3], [0.0; 3], [0.0; 3]],
         triangle,
@@ -46,7 +49,7 @@ pub fn lengths(header: &PwtHeader) -> Vec<usize> {
     let of = |texture: &TextureHeader| {
         let texels = (texture.level..=header.levels)
             .map(|level| header.extent.iter().map(|side| (side >> level) as usize).product::<usize>());
-        texels.sum::<usize>() * texture.components.len()
+        texels.sum::<usize>() * texture.components.len() * header.view_count() as usize
     };
     header.textures.iter().map(of).collect()
 }
@@ -85,7 +88,13 @@ fn any(header: PwtHeader, domain: Domain, textures: &[[u32; 3]], seed: u64) -> P
     PwtHeader { domain, triangle, colour, errors, textures, ..header }
 }
 
-/// Packs of all domains and coordinates, by name: tiles and others, with one texture and more.
+/// Mesh of five views: the normal, and a ring.
+pub fn five_views() -> DirectionMesh {
+    let set = DirectionSet::grid(2, 4, 60.0).expect("angles in range");
+    DirectionMesh::new(&set).expect("separate directions")
+}
+
+/// Packs of all domains and coordinates, by name: tiles and others, with one texture and more, of one view and of five.
 pub fn packs() -> Vec<(&'static str, PwtPack)> {
     let basis = |coordinates, degree| LightBasis { coordinates, degree };
     let tile = PwtHeader { repeats: true, ..plain([8, 4], [8, 4], 2, basis(LightCoordinates::Projected, 2)) };
@@ -93,12 +102,16 @@ pub fn packs() -> Vec<(&'static str, PwtPack)> {
     let coarse = plain([6, 7], [8, 8], 3, basis(LightCoordinates::Paraboloid, 1));
     let one = plain([1, 1], [1, 1], 0, basis(LightCoordinates::Paraboloid, 0));
     let of_map = plain([7, 4], [8, 4], 1, basis(LightCoordinates::Learned, 5));
+    let views = plain([4, 8], [4, 8], 2, basis(LightCoordinates::Learned, 3));
+    let views = PwtHeader { repeats: true, views: Some(five_views()), ..views };
     [
         ("tile-projected-linear", any(tile, Domain::Linear, &[[0, 4, 1], [1, 2, 3], [2, 1, 5]], 1)),
         ("odd-hemisphere-display", any(odd, Domain::Display, &[[0, 1, 2], [2, 4, 27]], 2)),
         ("coarse-paraboloid-log", any(coarse, Domain::Logarithm { epsilon: 0.02 }, &[[1, 2, 4]], 3)),
         ("one-texel-cube-root", any(one, Domain::CubeRoot, &[[0, 4, 1]], 4)),
         ("image-learned-display", learned(any(of_map, Domain::Display, &[[0, 4, 1], [1, 4, 1]], 5), 9)),
+        // Two textures of one level.
+        ("views-learned-display", learned(any(views, Domain::Display, &[[0, 4, 1], [0, 4, 2], [1, 2, 1]], 6), 11)),
     ]
     .into_iter()
     .zip(5..)
@@ -136,17 +149,28 @@ fn queries() -> Vec<Query> {
     let mut numbers = Numbers::new(13);
     let query = |k: usize| {
         let [u, v] = [0; 2].map(|_| numbers.between(-0.2, 1.2) as f32);
-        let [x, y, z] = unit_vector(&mut numbers);
-        [[u, v, (k % 9) as f32 / 4.0, 0.0], [x, y, z.abs(), 0.0], [0.0; 4]]
+        let [[x, y, z], [a, b, c]] = [0; 2].map(|_| unit_vector(&mut numbers));
+        [[u, v, (k % 9) as f32 / 4.0, 0.0], [x, y, z.abs(), 0.0], [a, b, c.abs(), 0.0]]
     };
     (0..SIDE * SIDE).map(query).collect()
 }
 
-/// Error bound for a colour of a tree at a place and light.
-fn bound(decoder: &PwtDecoder, [a, b, _]: &Query) -> [f64; 4] {
+/// Error bound for a colour of a tree at a place, view and light: that of three views, by their weights.
+fn bound(decoder: &PwtDecoder, query: &Query) -> [f64; 4] {
+    let [_, _, c] = query;
+    let (views, shares) = decoder.pack().header().seen([c[0], c[1], c[2]]);
+    let mut bounds = [0.0; 4];
+    for (view, share) in views.into_iter().zip(shares) {
+        let of_view = bound_of_view(decoder, query, view);
+        bounds.iter_mut().zip(of_view).for_each(|(sum, bound)| *sum += f64::from(share) * bound);
+    }
+    bounds
+}
+
+fn bound_of_view(decoder: &PwtDecoder, [a, b, _]: &Query, view: u32) -> [f64; 4] {
     let header = decoder.pack().header();
     let weights = header.weights([b[0], b[1], b[2]]);
-    let sum = decoder.sum([a[0], a[1]], a[2], &weights);
+    let sum = decoder.sum([a[0], a[1]], a[2], view, &weights);
     let mut off = [0.0f32; 3];
     // Weights of learned terms are filtered, too: by two axes, between texels of a small map.
     let of_map = if header.light_map.is_some() { 2.0 * STEP * MAP_RANGE } else { 0.0 };
@@ -165,12 +189,16 @@ fn bound(decoder: &PwtDecoder, [a, b, _]: &Query) -> [f64; 4] {
     [colour(0), colour(1), colour(2), 1e-6]
 }
 
+fn value(decoder: &PwtDecoder, [a, b, c]: &Query) -> [f32; 3] {
+    decoder.value([a[0], a[1]], a[2], [c[0], c[1], c[2]], [b[0], b[1], b[2]])
+}
+
 /// The case of a polynomial wavelet tree.
 fn sampler_case(name: &str, pack: PwtPack) -> SamplerCase {
     let (bindings, queries) = (pack.bindings().into_owned(), queries());
     let is_filtered = pack.header().extent != [1; 2];
     let decoder = PwtDecoder::new(pack);
-    let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
+    let answer = |query: &Query| (four(value(&decoder, query), 0.0), 1e-2);
     let expected = queries.iter().map(answer).collect();
     let allowed = queries.iter().map(|query| bound(&decoder, query)).collect();
     let (name, files) = (name.to_owned(), Vec::new());
@@ -191,7 +219,7 @@ impl TestedCodec for Pwt {
         let case = |(name, pack): (&str, PwtPack)| {
             let (bindings, files) = (pack.bindings().into_owned(), vec![pack.to_bytes(true)]);
             let decoder = PwtDecoder::new(pack);
-            let answer = |[a, b, _]: &Query| (four(decoder.value([a[0], a[1]], a[2], [b[0], b[1], b[2]]), 0.0), 1e-2);
+            let answer = |query: &Query| (four(value(&decoder, query), 0.0), 1e-2);
             let expected = queries.iter().map(answer).collect();
             let (name, decoder, queries) = (name.to_owned(), PackKind::Pwt, queries.clone());
             Case { name, decoder, bindings, frame: EXACT, files, queries, expected }
@@ -221,6 +249,7 @@ impl TestedCodec for Pwt {
         let PwtErrors { lights, psnr, held_out_psnr, delta_e } = header.errors;
         numbers.words(header.size.into_iter().chain(header.extent));
         numbers.words([u32::from(header.repeats), header.levels, header.basis.degree, lights]);
+        numbers.words(header.views.iter().flat_map(|mesh| mesh.words().iter().copied()));
         numbers.add([psnr, held_out_psnr, delta_e]);
         for texture in 0..header.textures.len() {
             numbers.words(pack.texels(texture).iter().map(|texel| u32::from(*texel)));
@@ -232,8 +261,9 @@ impl TestedCodec for Pwt {
             numbers.add(weights.into_iter().flatten());
             for (k, uv) in points().enumerate().step_by(3) {
                 let level = 0.3 * (k % 12) as f32;
-                numbers.add(decoder.sum(uv, level, &weights));
-                numbers.add(decoder.value(uv, level, light));
+                numbers.add(decoder.sum(uv, level, k as u32 % header.view_count(), &weights));
+                // Seen from the other side.
+                numbers.add(decoder.value(uv, level, [-light[0], -light[1], light[2].abs()], light));
             }
         }
         of_columns([("values", numbers)])

@@ -30,7 +30,7 @@ pub struct FactoredFlatBtf {
 
 /// Texels around a point on the two mipmap levels around a level of detail.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+pub(in crate::flat_btf) struct Place {
     level: u32,
     fine: [(usize, f32); 4],
     /// Coarser level with its weight, unless the weight is 0.
@@ -125,7 +125,7 @@ impl FactoredTexel<'_> {
 }
 
 impl Place {
-    fn new(uv: [f32; 2], level_of_detail: f32, size: u32, levels: u32) -> Self {
+    pub(in crate::flat_btf) fn new(uv: [f32; 2], level_of_detail: f32, size: u32, levels: u32) -> Self {
         let uv = uv.map(wrap);
         let detail = level_of_detail.max(0.0).min((levels - 1) as f32);
         let finer = detail.floor();
@@ -140,7 +140,7 @@ impl Place {
     }
 
     /// Filtered component; `texel(level, index)` is 0 to 255.
-    fn sample(&self, texel: impl Fn(u32, usize) -> u8) -> f32 {
+    pub(in crate::flat_btf) fn sample(&self, texel: impl Fn(u32, usize) -> u8) -> f32 {
         let filtered = |level: u32, taps: [(usize, f32); 4]| {
             taps.into_iter().fold(0.0f32, |sum, (at, weight)| sum + weight * (f32::from(texel(level, at)) * UNIT))
         };

@@ -5,7 +5,7 @@ use crate::FormatError;
 use crate::container::entries::entry;
 use crate::container::{Extent, MAX_EXTENT_2D, TexelFormat, Texture};
 use crate::cursor::Cursor;
-use crate::flat_btf::flat_view::{MAX_DIRECTIONS, check_directions, direction_entries, read_directions};
+use crate::flat_btf::flat_view::{LIGHTS, MAX_DIRECTIONS, VIEWS, check_directions, direction_entry, read_directions};
 use crate::flat_btf::layout::word;
 use std::collections::BTreeMap;
 
@@ -217,7 +217,10 @@ impl FactoredHeader {
         words.extend([self.chroma.word(), self.materials, self.axes, self.table_levels]);
         words.extend(self.albedos.as_flattened().iter().map(|albedo| albedo.to_bits()));
         words.extend(self.steps.iter().flatten().map(|step| step.to_bits()));
-        let mut entries = if self.groups > 0 { direction_entries(&self.views, &self.lights) } else { BTreeMap::new() };
+        let mut entries = BTreeMap::new();
+        if self.groups > 0 {
+            entries.extend([direction_entry(VIEWS, &self.views), direction_entry(LIGHTS, &self.lights)]);
+        }
         entries.insert(FACTORED.to_owned(), words.into_iter().flat_map(u32::to_le_bytes).collect());
         entries
     }
@@ -262,7 +265,9 @@ impl FactoredHeader {
         }
         let [views, lights] = match [views, lights] {
             [0, 0] => [Vec::new(), Vec::new()],
-            counts => read_directions(texture, KIND, counts)?,
+            [views, lights] => {
+                [read_directions(texture, KIND, VIEWS, views)?, read_directions(texture, KIND, LIGHTS, lights)?]
+            }
         };
         let header = Self {
             size,

@@ -14,19 +14,23 @@ const WEIGHTS: &str = "brdfc.flat-btf.weights";
 const RESIDUAL: &str = "brdfc.flat-btf.residual";
 const VERSION: u32 = 1;
 
-/// Layers of bytes with mipmaps.
+/// Square layers of bytes with mipmaps.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Layers {
-    part: &'static str,
-    format: TexelFormat,
-    size: u32,
-    layers: u32,
-    levels: u32,
-    texels: Vec<u8>,
+pub(in crate::flat_btf) struct ByteLayers {
+    /// Name of the part in errors.
+    pub part: &'static str,
+    pub format: TexelFormat,
+    /// Texels per side.
+    pub size: u32,
+    pub layers: u32,
+    /// Number of mipmap levels.
+    pub levels: u32,
+    /// All levels from the finest, layer by layer, row by row.
+    pub texels: Vec<u8>,
 }
 
-impl Layers {
-    fn check(self, most_layers: u32) -> Result<Self, FormatError> {
+impl ByteLayers {
+    pub fn check(self, most_layers: u32) -> Result<Self, FormatError> {
         let Self { part, size, layers, levels, .. } = self;
         let checked = |what: &str, found: u32, last: u32| {
             FormatError::check_range(format!("{what} of the part {part}"), found, 1..=last)
@@ -46,12 +50,12 @@ impl Layers {
         Ok(self)
     }
 
-    fn extent(&self) -> Extent {
+    pub fn extent(&self) -> Extent {
         Extent::D2Array([self.size, self.size, self.layers])
     }
 
     /// A layer of a mipmap level.
-    fn layer(&self, level: u32, layer: u32) -> &[u8] {
+    pub fn layer(&self, level: u32, layer: u32) -> &[u8] {
         let texel = self.format.texel_bytes();
         let side = (self.size >> level).max(1) as usize;
         let first = self.extent().texels_of_levels(level) as usize * texel;
@@ -59,7 +63,8 @@ impl Layers {
         &self.texels[first + layer as usize * length..][..length]
     }
 
-    fn from_texture(
+    /// Checks the form of an image.
+    pub fn from_texture(
         texture: Texture,
         part: &'static str,
         format: TexelFormat,
@@ -98,7 +103,7 @@ impl WeightRange {
 /// Values of the base and weights of all components, four per texel and layer. The base has the first layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightMap {
-    layers: Layers,
+    layers: ByteLayers,
     ranges: Vec<WeightRange>,
 }
 
@@ -127,7 +132,7 @@ impl WeightMap {
             return Err(FormatError::whole(format!("{WEIGHTS} range {k}"), found, allowed));
         }
         let (part, format, layers) = (Self::PART, TexelFormat::Rgba8Unorm, (ranges.len() / GROUP) as u32);
-        let layers = Layers { part, format, size, layers, levels, texels }.check(BASE_LAYERS + MAX_GROUPS)?;
+        let layers = ByteLayers { part, format, size, layers, levels, texels }.check(BASE_LAYERS + MAX_GROUPS)?;
         Ok(Self { layers, ranges })
     }
 
@@ -183,7 +188,7 @@ impl WeightMap {
         sized(bytes, WEIGHTS, 8 + 8 * numbers as usize)?;
         let range = |_| Ok(WeightRange { scale: cursor.f32("scale")?, low: cursor.f32("low")? });
         let ranges = (0..numbers).map(range).collect::<Result<Vec<_>, FormatError>>()?;
-        let layers = Layers::from_texture(texture, Self::PART, TexelFormat::Rgba8Unorm, BASE_LAYERS + MAX_GROUPS)?;
+        let layers = ByteLayers::from_texture(texture, Self::PART, TexelFormat::Rgba8Unorm, BASE_LAYERS + MAX_GROUPS)?;
         if layers.layers as usize * GROUP != ranges.len() {
             let allowed = format!("{} layers, as {WEIGHTS} says", ranges.len().div_ceil(GROUP));
             return Err(wrong_extent(Self::PART, layers.extent(), allowed));
@@ -199,7 +204,7 @@ impl WeightMap {
 /// Cells have two bytes, the share of lit points and that of shaded ones: byte b is `(b / 180)²`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ResidualMap {
-    layers: Layers,
+    layers: ByteLayers,
 }
 
 impl ResidualMap {
@@ -213,7 +218,7 @@ impl ResidualMap {
     pub fn new(size: u32, lights: u32, texels: Vec<u8>) -> Result<Self, FormatError> {
         let levels = Extent::D2([size; 2]).most_levels();
         let (part, format, layers) = (Self::PART, RESIDUAL_FORMAT, lights);
-        let layers = Layers { part, format, size, layers, levels, texels }.check(MAX_LAYERS)?;
+        let layers = ByteLayers { part, format, size, layers, levels, texels }.check(MAX_LAYERS)?;
         Ok(Self { layers })
     }
 
@@ -265,8 +270,8 @@ impl ResidualMap {
     pub(in crate::flat_btf) fn from_texture(texture: Texture) -> Result<Self, FormatError> {
         let bytes = sized(entry(&texture, RESIDUAL, "the residual of a factored flat BTF")?, RESIDUAL, 4)?;
         word(&mut Cursor::new(bytes), RESIDUAL, "version", VERSION..=VERSION)?;
-        let Layers { size, layers, levels, texels, .. } =
-            Layers::from_texture(texture, Self::PART, RESIDUAL_FORMAT, MAX_LAYERS)?;
+        let ByteLayers { size, layers, levels, texels, .. } =
+            ByteLayers::from_texture(texture, Self::PART, RESIDUAL_FORMAT, MAX_LAYERS)?;
         let expected = Extent::D2([size; 2]).most_levels();
         if levels != expected {
             let allowed = format!("{expected}, down to one cell");

@@ -100,7 +100,7 @@ fn curvature_moves_shadows() {
 #[test]
 fn looks_turn_with_the_surface() {
     let layers = along(8, 1, |_| [HIGH, 0, 0]);
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(SMALL, 1) });
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { relief: layers.into(), ..parts(SMALL, 1) });
     let [uv, light] = [[0.3, 0.6], [0.2, 0.5]];
     let light = unit([light[0], light[1], 0.8]);
     let plane = decoder.look(uv, 0.0, FROM_RIGHT, MacroSurface::PLANE);
@@ -160,7 +160,7 @@ fn stretched_tiles_are_crossed_more_slowly() {
     }
     // A slope of the relief is half as steep along the tangent.
     let layers = along(64, 1, |column| [2 * column.min(63) as u8 + 64, 0, 0]);
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers, ..parts(SMALL, 1) });
+    let decoder = FlatBtfDecoder::new(FlatBtfParts { relief: layers.into(), ..parts(SMALL, 1) });
     let normal = decoder.look([0.3, 0.6], 0.0, UP, MacroSurface::PLANE).normal();
     let surface = MacroSurface { stretch: [0.5, 0.0, 0.0, 2.0], ..MacroSurface::PLANE };
     let [x, y, z] = decoder.look([0.3, 0.6], 0.0, UP, surface).normal();
@@ -191,8 +191,8 @@ fn rays_of_light_start_outside_the_solid() {
 #[test]
 fn components_are_looked_up_along_the_tiles() {
     let reflectance = factored(SMALL, Factors { groups: 1, ..BASE }, 1);
-    let decoder = FlatBtfDecoder::new(FlatBtfParts { layers: along(8, 1, |_| [128, 0, 0]), reflectance });
-    let directions = SampledDirections::of(&decoder.parts().reflectance).unwrap();
+    let decoder = FlatBtfDecoder::new(FlatBtfParts::new(along(8, 1, |_| [128, 0, 0]), reflectance));
+    let directions = SampledDirections::of(decoder.parts()).unwrap();
     assert!(directions.is_some());
     let [uv, light] = [[0.3, 0.6], [0.2, 0.5]];
     let view = unit([0.3, -0.4, 0.8]);

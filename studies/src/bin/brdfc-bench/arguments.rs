@@ -3,7 +3,7 @@
 use brdfc_source::Input;
 use brdfc_studies::Study;
 use brdfc_terminal::inputs::refuse_stdin_twice;
-use brdfc_terminal::values::{any_whole_number, whole_number};
+use brdfc_terminal::values::{any_whole_number, views_of_map, whole_number};
 use brdfc_terminal::{Error, Flags};
 use clap::{Parser, ValueEnum};
 use std::path::PathBuf;
@@ -29,8 +29,9 @@ Examples:
   brdfc-bench --study pareto paint.brdf metal.binary --out figures
   brdfc-bench --study codecs paint.brdf metal.binary --peers python3 --out figures
   brdfc-bench --study codecs paper_white_rgb.bsdf --peers python3 --networks rgl
+  brdfc-bench --study stress
   brdfc-bench --study level-of-detail --out frames
-  brdfc-bench --study images paint.brdf metal.bsdf synth:velvet
+  brdfc-bench --study images paint.brdf metal.bsdf synth:velvet --out figures
   brdfc-bench --study adaptive
   brdfc-bench --study adaptive red-plastic.binary paint.bsdf --environment museum.exr --pixels 192
   brdfc-bench --study pixel-bandwidth red-plastic.binary --environment museum.exr"
@@ -44,7 +45,7 @@ pub struct Arguments {
     /// Study to run (default: wavelet-brdf).
     #[arg(long, value_enum, default_value = "wavelet-brdf")]
     pub(super) study: Study,
-    /// Write the frames of level-of-detail, the figure of codecs, pareto, relighting or btf, the figures of flat-btf,
+    /// Write the frames of level-of-detail, the renderings of images, the figure of codecs, pareto, relighting or btf, the figures of flat-btf,
     /// contact sheets of relief or adaptive, the maps of pixel-bandwidth, or the mesh and the rays of rays into this folder.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
@@ -59,9 +60,9 @@ pub struct Arguments {
     /// Views and lights of flat-btf, measured-btf and btf, as for 'brdfc flatten --views' (default: ubo2003).
     #[arg(long, value_name = "SET")]
     pub(super) directions: Option<Input>,
-    /// Polar angles x azimuths of the indirection map of flat-btf, 2 to 256 and 3 to 256 (default: 16x24).
-    #[arg(long, value_name = "ZxA", allow_hyphen_values = true)]
-    pub(super) indirection: Option<String>,
+    /// Polar angles x rows of azimuths of the indirection map of flat-btf, as for 'brdfc flatten' (default: 16x25).
+    #[arg(long, value_name = "ZxR", value_parser = views_of_map, allow_hyphen_values = true)]
+    pub(super) indirection: Option<[u32; 2]>,
     /// Largest polar angle of the indirection map of flat-btf, above 0, up to 89 degrees (default: 80).
     #[arg(long, value_name = "DEGREES")]
     pub(super) largest_angle: Option<f64>,
@@ -88,7 +89,7 @@ pub struct Arguments {
     /// NAME.h5. Needs --peers.
     #[arg(long, value_name = "DIR")]
     pub(super) networks: Option<PathBuf>,
-    /// Use few settings for pareto, few pixels for level-of-detail and frame-time, or two small cases for adaptive, which takes seconds.
+    /// Use few settings for pareto, few cases and small grids for stress, few pixels for level-of-detail and frame-time, or two small cases for adaptive, which takes seconds.
     #[arg(long)]
     pub(super) small: bool,
     /// Print the JSON schema of the report, and nothing else.
@@ -104,6 +105,7 @@ const ADAPTIVE: &[Study] = &[Study::Adaptive, Study::PixelBandwidth, Study::Band
 /// Studies that write files.
 const WRITERS: &[Study] = &[
     Study::LevelOfDetail,
+    Study::Images,
     Study::Codecs,
     Study::Pareto,
     Study::FlatBtf,
@@ -133,7 +135,7 @@ impl Arguments {
         let options = [("--directions", self.directions.as_ref()), ("--environment", self.environment.as_ref())];
         let inputs = self.inputs.iter().map(|input| ("INPUT", Some(input)));
         refuse_stdin_twice(&inputs.chain(options).collect::<Vec<_>>())?;
-        if let (Study::WaveletBrdf, Some(name)) = (self.study, self.study.to_possible_value())
+        if let (Study::WaveletBrdf | Study::Stress, Some(name)) = (self.study, self.study.to_possible_value())
             && !self.inputs.is_empty()
         {
             let allowed = "expected with the studies that draw (throughput, codecs, level-of-detail and images: \
@@ -162,7 +164,11 @@ impl Arguments {
             ),
             (self.peers.is_some(), "peers", &[Study::Codecs]),
             (self.networks.is_some(), "networks", &[Study::Codecs]),
-            (self.small, "small", &[Study::Pareto, Study::LevelOfDetail, Study::FrameTime, Study::Adaptive]),
+            (
+                self.small,
+                "small",
+                &[Study::Pareto, Study::Stress, Study::LevelOfDetail, Study::FrameTime, Study::Adaptive],
+            ),
         ] {
             if given && !studies.contains(&self.study) {
                 let names: Vec<String> =

@@ -5,7 +5,8 @@ use super::remarks::Remarks;
 use super::structures::structures;
 use brdfc_studies::StudyResult;
 use brdfc_studies::btf::{
-    BtfAsset, BtfModel, BtfRow, BtfSettings, BtfStudy, BtfStudyError, PARTS, drawing, held_out, study_structure,
+    BtfAsset, BtfModel, BtfRow, BtfSettings, BtfStudy, BtfStudyError, PARTS, WholeBtf, drawing, held_out,
+    held_out_views, study_structure,
 };
 use brdfc_terminal::directions::{default_set, direction_set};
 use brdfc_terminal::output::{make_folder, write_file};
@@ -19,8 +20,9 @@ const MAX_TEXELS: usize = 256;
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let texels = arguments.power_of_two_texels(TEXELS, MAX_TEXELS)?;
     let set = direction_set("directions", arguments.directions.as_ref().unwrap_or(&default_set()))?;
-    let held_out = held_out(set.len()).map_err(|error| Error::usage(format!("--directions: {error}")))?;
-    let settings = BtfSettings { texels, directions: set.name.clone(), count: set.len(), held_out };
+    let wrong = |error| Error::usage(format!("--directions: {error}"));
+    let (held_out, held_out_views) = (held_out(set.len()).map_err(wrong)?, held_out_views(set.len()).map_err(wrong)?);
+    let settings = BtfSettings { texels, directions: set.name.clone(), count: set.len(), held_out, held_out_views };
     let structures = structures(arguments)?;
     if let Some(folder) = &arguments.out {
         make_folder(folder)?;
@@ -57,6 +59,7 @@ pub(super) fn text(study: &BtfStudy) -> String {
         for (kind, asset) in [("ordinary BTF", &model.classic), ("flat BTF", &model.flat)] {
             text += &format!("\n{}, {kind}, {} of it visible\n\n{}", model.model, percent(asset.seen), table(asset));
         }
+        text += &format!("\n{}, all views of the ordinary BTF, some held out\n\n{}", model.model, whole(&model.whole));
         text += &format!("\n{}", claims(model));
     }
     text
@@ -81,6 +84,22 @@ fn table(asset: &BtfAsset) -> String {
         ]
     };
     plain(&header, asset.rows.iter().map(cells))
+}
+
+/// Methods that store all views, and levels of the trees.
+fn whole(btf: &WholeBtf) -> String {
+    let rows = btf.rows.iter().map(|row| {
+        let decibels = [row.psnr, row.held_out_lights_psnr, row.held_out_views_psnr, row.held_out_both_psnr];
+        let decibels = decibels.map(|psnr| format!("{psnr:.2}"));
+        let ends = [row.method.clone(), bytes(row.budget), bytes(row.bytes)];
+        ends.into_iter().chain(decibels).chain([format!("{:.2}", row.held_out_both_delta_e)]).collect::<Vec<_>>()
+    });
+    let header = ["method", "at most", "GPU", "dB", "dB lights", "dB views", "dB both", "ΔE both"];
+    let levels = btf
+        .mipmaps
+        .iter()
+        .map(|row| vec![row.level.to_string(), format!("{:.2}", row.psnr), format!("{:.2}", row.box_psnr)]);
+    format!("{}\n{}", plain(&header, rows), plain(&["level", "trees, dB", "filtered images, dB"], levels))
 }
 
 fn claims(model: &BtfModel) -> String {

@@ -3,7 +3,7 @@
 use super::arguments::Arguments;
 use super::remarks::Remarks;
 use super::structures::{file_stem, short_name, structures};
-use brdfc_core::words::{format_number, quoted};
+use brdfc_core::words::format_number;
 use brdfc_render::rendering::rgb_png;
 use brdfc_studies::StudyResult;
 use brdfc_studies::flat_btf::{ModelRow, StudyError, StudySettings, TexelSizes, study_model};
@@ -14,9 +14,9 @@ use brdfc_terminal::{Common, Error};
 
 /// Texels of the plane per side. The flat BTF has twice as many per side, 256 as in the paper.
 const TEXELS: usize = 128;
-/// Polar angles x azimuths of the indirection map. Azimuths are as close as in `ubo2003` at its largest polar angle,
-/// where blending views loses most.
-const INDIRECTION: &str = "16x24";
+/// Polar angles x rows of azimuths of the indirection map. Azimuths are as close as in `ubo2003` at its largest polar
+/// angle, where blending views loses most.
+const INDIRECTION: [u32; 2] = [16, 25];
 const LARGEST_ANGLE: f64 = 80.0;
 /// Maximum number of samples of the indirection map, 512 MiB.
 const MAX_SAMPLES: usize = 1 << 26;
@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     if !(largest_angle > 0.0 && largest_angle <= 89.0) {
         return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 89 degrees"));
     }
-    let indirection = views_of_map(arguments.indirection.as_deref().unwrap_or(INDIRECTION))?;
+    let indirection = arguments.indirection.unwrap_or(INDIRECTION);
     let samples = texels * texels * indirection.map(|count| count as usize).into_iter().product::<usize>();
     if samples > MAX_SAMPLES {
         let allowed = format!("at most {MAX_SAMPLES}; lower --texels or --indirection");
@@ -65,6 +65,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
         let (row, figures) = study.map_err(|error| match error {
             StudyError::Address(error) => Error::input(format!("{input}: {error}")),
             StudyError::Parameterise(error) => Error::input(format!("{input}: {error}")),
+            StudyError::Encode(error) => Error::input(format!("{input}: {error}")),
         })?;
         if let Some(folder) = &arguments.out {
             for (figure, panel) in [("variance", &figures.variance), ("apparent", &figures.apparent)] {
@@ -76,18 +77,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     Ok(StudyResult::FlatBtf { settings, rows })
 }
 
-/// Parses numbers of polar angles and azimuths, separated by an `x`.
-fn views_of_map(text: &str) -> Result<[u32; 2], Error> {
-    let pair = text.split_once('x').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
-    pair.filter(|[zeniths, azimuths]| (2..=256).contains(zeniths) && (3..=256).contains(azimuths)).ok_or_else(|| {
-        Error::wrong_usage("--indirection", quoted(text), "2 to 256 polar angles x 3 to 256 azimuths, such as 16x24")
-    })
-}
-
 pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
     let mut text = format!(
-        "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF, {4} x {5} views \
-         of the indirection map up to {6}°.\n\n",
+        "{0} views and lights ({1}), {2} x {2} texels of the plane, {3} x {3} of the flat BTF, {4} x {5} polar \
+         angles and rows of azimuths of the indirection map up to {6}°.\n\n",
         settings.count,
         settings.directions,
         settings.texels,
@@ -124,10 +117,12 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         })
     });
     text += &plain(&header, cells);
-    text += "\nTable 1, means through the map for both methods of filling holes, and unblended\n";
-    text += &table(&["model", "poisson", "push-pull", "unblended"], rows, |row| {
+    text +=
+        "\nTable 1, means through the map, through its compact form, with holes filled by push-pull, and unblended\n";
+    text += &table(&["model", "through the map", "compact", "push-pull", "unblended"], rows, |row| {
         let r = &row.reconstruction;
-        [name(row)].into_iter().chain([r.through_map.mean, r.mean_push_pull, r.mean_unblended].map(two)).collect()
+        let means = [r.through_map.mean, r.mean_compact, r.mean_push_pull, r.mean_unblended];
+        [name(row)].into_iter().chain(means.map(two)).collect()
     });
     text += "\nTable 2: variance over the views (L*a*b*), mean over texels; in brackets how many times lower than the BTF's\n";
     let header = ["model", "BTF", "push-pull", "poisson", "visible", "paper: BTF", "filled", "visible"];
@@ -173,7 +168,7 @@ pub(super) fn text(settings: &StudySettings, rows: &[ModelRow]) -> String {
         row.grids.iter().map(|grid| {
             let both = |mean: f64, median: f64| format!("{mean:.1} ({median:.2})");
             let bands = grid.bands.iter().zip(&grid.band_medians).map(|(mean, median)| both(*mean, *median));
-            let first = [name(row), format!("{} x {}", grid.zenith_samples, grid.azimuth_samples)];
+            let first = [name(row), format!("{} x {}", grid.polar_angles, grid.azimuth_rows)];
             first.into_iter().chain([both(grid.mean, grid.median)]).chain(bands).collect::<Vec<_>>()
         })
     });

@@ -19,6 +19,7 @@ mod relighting;
 mod remarks;
 #[cfg(feature = "render")]
 mod shading;
+mod stress;
 mod structures;
 mod wavelet;
 
@@ -63,6 +64,7 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         Study::Btf => btf::run(arguments, common)?,
         Study::Rays => rays::run(arguments, common)?,
         Study::Pareto => pareto::run(arguments, common)?,
+        Study::Stress => stress::run(arguments, common)?,
         #[cfg(feature = "render")]
         Study::Adaptive => shading::run(arguments, common)?,
         #[cfg(feature = "render")]
@@ -84,7 +86,9 @@ fn run(arguments: Arguments, common: Common) -> Result<(), Error> {
         | Study::BandwidthDirections
         | Study::Antialiasing => return Err(brdfc_terminal::without_renderer()),
     };
-    if common.json { print_json(&Report { version: 1, result }) } else { print_text(&result) }
+    let checked = stress::check(&result);
+    if common.json { print_json(&Report { version: 1, result }) } else { print_text(&result) }?;
+    checked
 }
 
 fn print_text(result: &StudyResult) -> Result<(), Error> {
@@ -97,6 +101,7 @@ fn print_text(result: &StudyResult) -> Result<(), Error> {
         StudyResult::Btf(study) => print(&btf::text(study)),
         StudyResult::Rays(study) => print(&rays::text(study)),
         StudyResult::Pareto(study) => print(&pareto::text(study)),
+        StudyResult::Stress(study) => print(&stress::text(study)),
         #[cfg(feature = "render")]
         StudyResult::Adaptive { targets, rows, summary } => print(&shading::text(targets, rows, summary)),
         #[cfg(feature = "render")]

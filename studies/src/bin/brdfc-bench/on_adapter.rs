@@ -9,7 +9,7 @@ use brdfc_render::rendering::to_png;
 use brdfc_source::Input;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_brdf_pack;
-use brdfc_studies::images::{ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
+use brdfc_studies::images::{Drawn, ImageRow, PAPER_MEAN, PAPER_SIGMA, StudyError, on_the_cloth};
 use brdfc_studies::level_of_detail::{Animation, LevelOfDetail, level_of_detail};
 use brdfc_studies::throughput::{Throughput, throughput};
 use brdfc_studies::{Study, StudyResult};
@@ -52,10 +52,17 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             let velvet = [VELVET.into()];
             let inputs = if arguments.inputs.is_empty() { &velvet[..] } else { &arguments.inputs };
             let mut rows = Vec::new();
+            if let Some(folder) = &arguments.out {
+                make_folder(folder)?;
+            }
             for (number, input) in inputs.iter().enumerate() {
                 let opened = open(input, None)?;
                 let name = input.short_name();
-                rows.push(on_the_cloth(&gpu, &name, opened.source.as_ref()).map_err(study_error)?);
+                let (row, drawn) = on_the_cloth(&gpu, &name, opened.source.as_ref()).map_err(study_error)?;
+                rows.push(row);
+                if let Some(folder) = &arguments.out {
+                    write_drawn(folder, number + 1, &drawn)?;
+                }
                 let left = seconds() / (number + 1) as f64 * (inputs.len() - number - 1) as f64;
                 let done =
                     format!("{} of {}: {name}, {:.1} s, about {left:.0} s left", number + 1, inputs.len(), seconds());
@@ -126,6 +133,14 @@ fn write_frames(folder: &Path, animation: &Animation) -> Result<(), Error> {
             let path = folder.join(format!("{name}-{}.png", number + 1));
             write_file(&path, &to_png(frame, animation.exposure))?;
         }
+    }
+    Ok(())
+}
+
+/// Writes the renderings of material `number` on the cloth.
+fn write_drawn(folder: &Path, number: usize, drawn: &Drawn) -> Result<(), Error> {
+    for (name, image) in [("pack", &drawn.pack), ("pixels", &drawn.pixels), ("vertices", &drawn.vertices)] {
+        write_file(&folder.join(format!("cloth-{number}-{name}.png")), &to_png(image, drawn.exposure))?;
     }
     Ok(())
 }

@@ -397,7 +397,8 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
     let report = folder.run(&[&["view"], &all[..], &["-o", "view.html", "--json"]].concat()).succeeded().json();
     let alone = report["bytes_alone"].as_u64().unwrap();
     println!("view: {} KiB are the page's own, with packs of all five kinds", alone >> 10);
-    assert!(alone < 310 << 10);
+    // Views of trees take 12 KiB of them.
+    assert!(alone < 320 << 10);
     let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", ""), ("brdf", "plane")];
     let changes = [
         json!({ "scene": "plane", "left": 0, "right": -1 }),

@@ -1,6 +1,6 @@
 //! Validates recipes and estimates their memory before any work.
 
-use super::recipe::{FlattenRecipe, Reflectance};
+use super::recipe::{FlattenRecipe, Reflectance, ReliefForm};
 use crate::caster::MAX_POLAR_DEGREES;
 use crate::factored::{FactoredRecipe, FactoredTarget, least_bytes};
 use crate::fill::FillMethod;
@@ -9,7 +9,7 @@ use brdfc_formats::FormatError;
 use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_formats::flat_btf::FlatHeader;
+use brdfc_formats::flat_btf::{FlatHeader, VdimHeader};
 use std::f32::consts::TAU;
 
 /// Maximum memory of a recipe, in bytes.
@@ -20,6 +20,10 @@ const TEXEL_BYTES: u64 = 512;
 const LAYER_BYTES: u64 = 1536;
 /// Maximum texels of the layers per side.
 const MAX_TEXELS: u32 = 2048;
+/// Bytes per texel and view of an indirection map: what was measured, and its four halves in the map and in the file.
+const VIEW_BYTES: u64 = 28;
+/// Maximum rays per texel and axis of an indirection map.
+const MAX_OVERSAMPLING: u32 = 16;
 const _: () = assert!(MAX_TEXELS <= MAX_EXTENT_2D);
 /// Bytes per texel and light of a view in progress: the value as floats, packed, and as scratch bytes.
 const VALUE_BYTES: u64 = 12;
@@ -49,6 +53,7 @@ impl FlattenRecipe {
         }
         let header = self.header(0);
         header.check()?;
+        self.check_relief()?;
         let least = least_bytes(self.flat_texels as u32);
         let may_be_brdf = self.reflectance == Reflectance::Auto && self.bounces == 0;
         let fits = |target| !matches!(target, FactoredTarget::Bytes(most) if most < least);
@@ -72,6 +77,18 @@ impl FlattenRecipe {
         Ok(())
     }
 
+    /// Checks the settings of an indirection map.
+    fn check_relief(&self) -> Result<(), FormatError> {
+        let (ReliefForm::Vdim(vdim), Some(header)) = (&self.relief, self.vdim_header()) else { return Ok(()) };
+        header.check()?;
+        let rays = vdim.oversampling;
+        if !(1..=MAX_OVERSAMPLING).contains(&rays) {
+            let allowed = format!("1 to {MAX_OVERSAMPLING} rays per texel and axis");
+            return Err(FormatError::whole("oversampling", rays.to_string(), allowed));
+        }
+        Ok(())
+    }
+
     /// Header of a view.
     pub(super) fn header(&self, view: u32) -> FlatHeader {
         let (views, lights) = (angles(&self.views), angles(&self.lights));
@@ -91,7 +108,14 @@ impl FlattenRecipe {
         let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
         let guide = u64::from(self.fill == FillMethod::Poisson);
         let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
-        let layers = LAYER_BYTES * u64::from(self.texels).pow(2);
+        let layers = match self.vdim_header() {
+            None => LAYER_BYTES * u64::from(self.texels).pow(2),
+            Some(header) => {
+                let shadows = texels * u64::from(header.lights) * 3;
+                let views = VdimHeader { block: 1, ..header }.packed_extent();
+                VIEW_BYTES * views.texels_of_levels(header.levels) + shadows
+            }
+        };
         if self.reflectance == Reflectance::Brdf {
             return texels * TEXEL_BYTES + layers;
         }
@@ -105,7 +129,7 @@ impl FlattenRecipe {
 }
 
 /// Polar angles and azimuths in radians, azimuths from 0 to below 2π.
-fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
+pub(super) fn angles(set: &DirectionSet) -> Vec<[f32; 2]> {
     let radians = |[polar, azimuth]: &[f64; 2]| {
         let azimuth = azimuth.rem_euclid(360.0).to_radians() as f32;
         [polar.to_radians() as f32, if azimuth >= TAU { 0.0 } else { azimuth }]
@@ -120,6 +144,7 @@ mod tests {
     fn recipe() -> FlattenRecipe {
         FlattenRecipe {
             texels: 256,
+            relief: ReliefForm::Layers,
             flat_texels: 256,
             views: DirectionSet::ubo2003(),
             lights: DirectionSet::ubo2003(),

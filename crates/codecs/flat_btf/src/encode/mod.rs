@@ -6,6 +6,7 @@ mod error;
 mod pass;
 mod probing;
 mod recipe;
+mod relief;
 mod report;
 mod scratch;
 #[cfg(test)]
@@ -13,14 +14,13 @@ mod tests;
 
 pub use check::MAX_BYTES;
 pub use error::EncodeError;
-pub use recipe::{FlattenRecipe, Reflectance};
+pub use recipe::{FlattenRecipe, Reflectance, ReliefForm, VdimRecipe};
 pub use report::{AssetErrors, AssetReport};
 pub use scratch::{MemoryScratch, Scratch};
 
 use crate::factored::{Factored, FactoredRecipe, FactoredTarget, factor, known};
 use crate::far::{FarLevel, far_materials};
 use crate::interreflection::Bounces;
-use crate::layers::layers;
 use crate::light_field::{ComputedField, projected, visible_from_each};
 use crate::measured::{MeasuredField, ViewImages};
 use crate::mesh::{MAX_MATERIALS, PeriodicMesh};
@@ -72,7 +72,7 @@ pub struct FlatBtfEncoded {
 /// Encodes a surface as a flat BTF. `E` is the error type of the images and of the scratch storage, which takes 4 bytes
 /// for each texel, view and light of a factored reflectance.
 ///
-/// Shadows are left to rays of light. Where values contain them, in images and with light of one bounce, the factors come with
+/// Shadows are left to the relief. Where values contain them, in images and with light of one bounce, the factors come with
 /// a residual.
 ///
 /// The flat BTF does not depend on the number of threads, which only determines how many views are in memory at once:
@@ -92,29 +92,28 @@ pub fn encode<E: Send>(
     check_materials(recipe, &input.values, known_materials)?;
     progress.stage(Stage::Parameterise, steps(FlattenRecipe::ROUNDS))?;
     let model = MesoModel::new(input.mesh, FlattenRecipe::ROUNDS, progress)?;
-    progress.stage(Stage::Layers, 2)?;
+    recipe.start_relief(progress)?;
     let coordinates = &model.parameterisation.coordinates;
-    let (layers, of_layers) = layers(&model.mesh, coordinates, recipe.texels)?;
-    progress.step()?;
     let shares = |point: &SurfacePoint| match &input.values {
         ValueSource::Computed(appearance) => appearance.shares(point),
         ValueSource::Measured(_) => [[0.0; 3]; MAX_MATERIALS],
     };
     let surface = texel_surface(&model.mesh, coordinates, recipe.flat_texels, shares);
     progress.step()?;
+    let (relief, of_layers) = recipe.make_relief(&model, progress)?;
 
     let work = Work { recipe, model: &model, surface: &surface, known_materials };
     let (made, seen) = work.reflectance(&input.values, scratch, progress)?;
     let reflectance = if seen.is_some() { Reflectance::Factors } else { Reflectance::Brdf };
-    let mut decoder = FlatBtfDecoder::new(FlatBtfParts { layers, reflectance: made.asset });
+    let mut decoder = FlatBtfDecoder::new(FlatBtfParts { relief, reflectance: made.asset });
+    let directions = SampledDirections::of(decoder.parts())?;
     let mut far: Vec<FarLevel> = Vec::new();
     if let (ValueSource::Computed(appearance), Reflectance::Brdf) = (&input.values, reflectance) {
         progress.stage(Stage::Fit, decoder.parts().reflectance.header().levels as usize - 1)?;
-        let (reflectance, levels) = far_materials(&decoder, &model, appearance, progress)?;
+        let (reflectance, levels) = far_materials((&decoder, directions.as_ref()), &model, appearance, progress)?;
         decoder = FlatBtfDecoder::new(FlatBtfParts { reflectance, ..decoder.into_parts() });
         far = levels;
     }
-    let directions = SampledDirections::of(&decoder.parts().reflectance)?;
     let decoded = (&decoder, directions.as_ref());
     let mut errors = AssetErrors::default();
     match &input.values {

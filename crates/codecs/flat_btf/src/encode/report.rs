@@ -20,8 +20,9 @@ pub struct AssetReport {
     pub parameterisation: SurfaceParameterisationReport,
     /// Lowest and highest point of the surface, in tiles.
     pub heights: [f64; 2],
-    /// Sheets of the layers, and what they leave out.
-    pub layers: LayerReport,
+    /// Sheets of the layers, and what they leave out; absent for an indirection map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<LayerReport>,
     /// Form of the reflectance that was chosen: `brdf` or `factors`.
     pub reflectance: Reflectance,
     /// Mean share of texels that a view sees, 0 to 1; absent for `brdf`.

@@ -10,6 +10,7 @@ use brdfc_formats::flat_btf::FlatView;
 
 fn recipe() -> FlattenRecipe {
     FlattenRecipe {
+        relief: ReliefForm::Layers,
         texels: 8,
         flat_texels: 16,
         views: DirectionSet::grid(2, 4, 60.0).unwrap(),
@@ -84,7 +85,7 @@ fn known_materials_write_no_scratch() {
     let header = known.decoder.parts().reflectance.header();
     assert_eq!((header.groups, header.materials, header.views.len()), (0, 1, 0));
     assert!(known.report.seen.is_none() && factors.report.seen.is_some());
-    assert_eq!(known.decoder.parts().layers, factors.decoder.parts().layers);
+    assert_eq!(known.decoder.parts().relief, factors.decoder.parts().relief);
     assert!((0..5).all(|view| scratch.read_scratch(view).is_ok_and(|values| values.is_empty())));
 }
 

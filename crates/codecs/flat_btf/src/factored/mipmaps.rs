@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 /// An integer type that supports averaging.
-pub(super) trait Whole: Copy + Send + Sync + Into<f32> {
+pub(crate) trait Whole: Copy + Send + Sync + Into<f32> {
     /// The nearest integer.
     fn nearest(number: f32) -> Self;
 }
@@ -24,7 +24,7 @@ impl Whole for u16 {
 
 /// Computes all levels of square layers, the finest first; `finest` is layer by layer, row by row, with `channels`
 /// numbers per texel. `counts` are the weights of the texels, all above 0.
-pub(super) fn with_mipmaps<T: Whole>(finest: &[T], counts: &[f32], channels: usize, levels: u32) -> Vec<T> {
+pub(crate) fn with_mipmaps<T: Whole>(finest: &[T], counts: &[f32], channels: usize, levels: u32) -> Vec<T> {
     let size = counts.len().isqrt();
     let length = size * size * channels;
     let mut all = finest.to_vec();

@@ -39,6 +39,7 @@ mod words;
 
 pub use encode::factor;
 pub use known::{known, least_bytes};
+pub(crate) use mipmaps::with_mipmaps;
 pub use recipe::{FactoredRecipe, FactoredTarget};
 pub use report::{FactorError, Factored, FactoredFacts, FactoredTrial};
 pub use residual::max_cells;

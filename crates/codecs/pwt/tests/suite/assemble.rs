@@ -3,7 +3,7 @@
 use brdfc_formats::pwt::{LightBasis, LightCoordinates, PwtHeader, PwtPack};
 use brdfc_pwt::assemble::{Limits, arrangements};
 use brdfc_pwt::image::Plane;
-use brdfc_pwt::levels::{TermImages, magnified, range, term_images};
+use brdfc_pwt::levels::{Borders, TermImages, magnified, range, term_images};
 use brdfc_pwt::tree::{PacketTree, Transform};
 use brdfc_pwt::{Border, Wavelet};
 use brdfc_testing::codecs::pwt::plain;
@@ -12,10 +12,10 @@ use brdfc_testing::packs::Numbers;
 #[test]
 fn magnified_by_hand() {
     let plane = Plane { size: [2, 1], values: vec![0.0, 1.0] };
-    assert_eq!(magnified(&plane, 0, false), plane);
-    let twice = magnified(&plane, 1, false);
+    assert_eq!(magnified(&plane, 0, Borders::of_one(false)), plane);
+    let twice = magnified(&plane, 1, Borders::of_one(false));
     assert_eq!((twice.size, &twice.values[..4]), ([4, 2], &[0.0, 0.25, 0.75, 1.0][..]));
-    assert_eq!(magnified(&plane, 1, true).values[..4], [0.25, 0.25, 0.75, 0.75]);
+    assert_eq!(magnified(&plane, 1, Borders::of_one(true)).values[..4], [0.25, 0.25, 0.75, 0.75]);
     assert_eq!(range(&[plane, Plane { size: [1, 1], values: vec![-3.0] }]), (-3.0, 1.0));
 }
 
@@ -25,7 +25,7 @@ fn term(term: usize, errors: &[f64]) -> TermImages {
 }
 
 fn limits(layers: usize, bytes: u64) -> Limits {
-    Limits { extent: [2, 2], depth: 1, layers, bytes }
+    Limits { extent: [2, 2], depth: 1, views: 1, layers, bytes }
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn terms(transform: Transform) -> (PacketTree, [Vec<Plane>; 3], Vec<TermImages>)
         analysed.collect::<Vec<_>>()
     });
     let weights = Plane { size, values: vec![1.0; size[0] * size[1]] };
-    let images = term_images(&tree, &coefficients, &weights, transform.border == Border::Periodic);
+    let images = term_images(&tree, &coefficients, &weights, Borders::of_one(transform.border == Border::Periodic));
     (tree, coefficients, images)
 }
 
@@ -94,7 +94,7 @@ fn mipmaps_are_the_truncated_tree() {
         for border in [Border::Periodic, Border::Mirrored] {
             let (tree, coefficients, images) = terms(Transform { wavelet, border, depth: 3 });
             let header = header(3, border == Border::Periodic);
-            let limits = Limits { extent: header.extent, depth: 3, layers: 9, bytes: u64::MAX };
+            let limits = Limits { extent: header.extent, depth: 3, views: 1, layers: 9, bytes: u64::MAX };
             let path = arrangements(&images, &limits);
             assert!(path.len() >= 4);
             let mut seen = 0;
@@ -135,7 +135,7 @@ fn check(pack: &PwtPack, tree: &PacketTree, coefficients: &[Vec<Plane>; 3]) -> u
 #[test]
 fn an_empty_arrangement_is_a_pack() {
     let (_, _, images) = terms(Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth: 2 });
-    let limits = Limits { extent: [16, 32], depth: 2, layers: 0, bytes: u64::MAX };
+    let limits = Limits { extent: [16, 32], depth: 2, views: 1, layers: 0, bytes: u64::MAX };
     let path = arrangements(&images, &limits);
     let pack = path[0].pack(&images, header(2, true)).unwrap();
     assert_eq!((path.len(), pack.gpu_bytes(), pack.header().fetches()), (1, 4 * 8, 1));
@@ -145,7 +145,7 @@ fn an_empty_arrangement_is_a_pack() {
 #[test]
 fn noise_needs_its_finest_level() {
     let (_, _, images) = terms(Transform { wavelet: Wavelet::Haar, border: Border::Periodic, depth: 2 });
-    let limits = Limits { extent: [16, 32], depth: 2, layers: 9, bytes: u64::MAX };
+    let limits = Limits { extent: [16, 32], depth: 2, views: 1, layers: 9, bytes: u64::MAX };
     let path = arrangements(&images, &limits);
     let pack = path[path.len() - 1].pack(&images, header(2, true)).unwrap();
     let [texture] = &pack.header().textures[..] else { panic!("one level") };

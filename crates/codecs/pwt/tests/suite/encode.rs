@@ -231,7 +231,7 @@ fn poor_lights() {
             let made = made(&polynomial([16, 16], lights.clone(), false), recipe);
             assert!(made.errors.psnr > least, "{count} lights, {degree:?}: {:?}", made.errors);
             // Values under an unseen light stay in range.
-            let value = PwtDecoder::new(made.pack).value([0.3, 0.6], 0.0, [-0.6, 0.0, 0.8]);
+            let value = PwtDecoder::new(made.pack).value([0.3, 0.6], 0.0, [0.0, 0.0, 1.0], [-0.6, 0.0, 0.8]);
             assert!(value.iter().all(|c| (0.0..4.0).contains(c)), "{count} lights, {degree:?}: {value:?}");
         }
     }

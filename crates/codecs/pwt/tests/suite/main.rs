@@ -7,3 +7,4 @@ mod golden;
 mod measure;
 mod near;
 mod stacks;
+mod views;

@@ -2,7 +2,7 @@
 
 use brdfc_core::address::parse_synth;
 use brdfc_flat_btf::encode::{
-    FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ValueSource, encode,
+    FlatBtfEncoded, FlatInput, FlattenRecipe, MemoryScratch, Reflectance, ReliefForm, ValueSource, encode,
 };
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
@@ -11,6 +11,7 @@ use brdfc_flat_btf::surface::Appearance;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{BasisMap, FactoredFlatBtf, FactoredHeader, WeightMap};
 use brdfc_formats::flat_btf::{FlatBtfParts, LayerHeader, LayerMap};
+use brdfc_testing::codecs::flat_btf::layers_of;
 
 /// The appearance of a structure such as `button?resolution=48`: its own materials, or another one.
 pub fn appearance(address: &str, material: Option<&str>) -> Appearance {
@@ -30,6 +31,7 @@ pub fn flattened(
     (reflectance, bounces): (Reflectance, usize),
 ) -> FlatBtfEncoded {
     let recipe = FlattenRecipe {
+        relief: ReliefForm::Layers,
         texels: texels as u32,
         flat_texels: texels,
         views: directions.clone(),
@@ -47,13 +49,15 @@ pub fn flattened(
 /// The same parts with all heights scaled by `factor`, above 0. Near 0 every view sees the points of the view along the
 /// normal, and there are no shadows.
 pub fn with_heights(parts: &FlatBtfParts, factor: f32) -> FlatBtfParts {
-    let header = parts.layers.header();
+    let layers = layers_of(parts);
+    let header = layers.header();
     let header = LayerHeader { heights: header.heights.map(|height| factor * height), ..*header };
-    FlatBtfParts { layers: finest(&parts.layers, header), ..parts.clone() }
+    FlatBtfParts { relief: finest(layers, header).into(), ..parts.clone() }
 }
 
 /// The same parts without mipmaps.
-pub fn without_mipmaps(FlatBtfParts { layers, reflectance }: &FlatBtfParts) -> FlatBtfParts {
+pub fn without_mipmaps(parts: &FlatBtfParts) -> FlatBtfParts {
+    let (layers, reflectance) = (layers_of(parts), &parts.reflectance);
     let header = FactoredHeader { levels: 1, ..reflectance.header().clone() };
     let (size, texels) = (header.size, (header.size * header.size) as usize);
     let weights = reflectance.weights();
@@ -67,7 +71,7 @@ pub fn without_mipmaps(FlatBtfParts { layers, reflectance }: &FlatBtfParts) -> F
     };
     let basis = basis.unwrap();
     let layers = finest(layers, LayerHeader { levels: 1, ..*layers.header() });
-    FlatBtfParts { layers, reflectance: FactoredFlatBtf::new(basis, weights, reflectance.residual().cloned()).unwrap() }
+    FlatBtfParts::new(layers, FactoredFlatBtf::new(basis, weights, reflectance.residual().cloned()).unwrap())
 }
 
 /// The first levels of layers, with another header.

@@ -16,5 +16,5 @@ fn looked(in: Varying, front: bool, frame: mat3x3<f32>, uv: vec2<f32>, level: f3
 }
 
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    return pwt_value(uv, level, wi) / PI;
+    return pwt_value(uv, level, wo, wi) / PI;
 }

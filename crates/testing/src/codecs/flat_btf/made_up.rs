@@ -9,7 +9,8 @@ use brdfc_formats::flat_btf::factored::{
     FactoredFlatBtf, FactoredHeader, GROUP, HALF_ANGLES, LevelTable, ResidualMap, WeightMap, WeightRange,
 };
 use brdfc_formats::flat_btf::{
-    BlendedDirection, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, ViewWeights,
+    BlendedDirection, CompactSamples, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, Relief,
+    SeenPoint, ShadowMap, Vdim, VdimHeader, VdimSamples, ViewWeights,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -116,7 +117,111 @@ pub fn flat_relief(sizes: Sizes) -> LayerMap {
 /// Random layers over a base alone.
 pub fn parts(sizes: Sizes, seed: u64) -> FlatBtfParts {
     let factors = Factors { levels: sizes.flat.ilog2() + 1, ..BASE };
-    FlatBtfParts { layers: layers(sizes, seed), reflectance: factored(sizes, factors, seed + 1) }
+    FlatBtfParts::new(layers(sizes, seed), factored(sizes, factors, seed + 1))
+}
+
+/// An indirection map of 4 polar angles and 5 rows over `plane` texels, with all levels: displacements grow with the polar
+/// angle, roughly along the view, and differ between texels.
+pub fn indirections(sizes: Sizes, lights: u32, seed: u64) -> Vdim {
+    let mut numbers = Numbers::new(seed);
+    let of_level = |level: u32| {
+        let size = sizes.plane >> level;
+        let header =
+            VdimHeader { size, block: 1, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
+        let texels: Vec<[f32; 4]> =
+            (0..size * size).map(|_| std::array::from_fn(|_| numbers.between(-0.25, 0.25) as f32)).collect();
+        let reference = texels.iter().map(|[x, y, ..]| [0.25 * x, 0.25 * y]).collect();
+        let seen = |[i, j]: [u32; 2], k: u32, a: u32| {
+            let [.., turn, height] = texels[(j * size + i) as usize];
+            let (along, azimuth) = (k as f32 * (0.125 + 0.25 * height), a as f32 * FRAC_PI_2 + turn);
+            SeenPoint { displacement: [along * azimuth.cos(), along * azimuth.sin()], height: height - 0.01 * k as f32 }
+        };
+        Vdim::of_views(header, reference, seen).unwrap()
+    };
+    Vdim::of_levels((0..=sizes.plane.trailing_zeros()).map(of_level).collect()).unwrap()
+}
+
+/// An indirection map of one reference and one displacement.
+pub fn flat_indirections(sizes: Sizes, lights: u32) -> Vdim {
+    let of_level = |level: u32| {
+        let size = sizes.plane >> level;
+        let header =
+            VdimHeader { size, block: 1, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
+        let seen = |_, _, _| SeenPoint { displacement: [0.012, 0.016], height: 0.125 };
+        Vdim::of_views(header, vec![[0.0625, -0.03125]; (size * size) as usize], seen).unwrap()
+    };
+    Vdim::of_levels((0..=sizes.plane.trailing_zeros()).map(of_level).collect()).unwrap()
+}
+
+/// A map of compact samples with blocks of 2 x 2 texels, with all levels: random displacements and heights.
+pub fn compact_indirections(sizes: Sizes, lights: u32, seed: u64) -> Vdim {
+    compact(sizes, lights, |numbers, low, high| numbers.between(low, high), seed)
+}
+
+/// A map of compact samples of one reference, one displacement in the frames of views and one height.
+pub fn flat_compact_indirections(sizes: Sizes, lights: u32) -> Vdim {
+    compact(sizes, lights, |_, low, high| low + 0.25 * (high - low), 1)
+}
+
+fn compact(sizes: Sizes, lights: u32, number: impl Fn(&mut Numbers, f64, f64) -> f64, seed: u64) -> Vdim {
+    let mut numbers = Numbers::new(seed);
+    let mut number = |low, high| number(&mut numbers, low, high) as f32;
+    let of_level = |level: u32| {
+        let (size, block) = (sizes.plane >> level, 2);
+        let header =
+            VdimHeader { size, block, polar_angles: 4, azimuth_rows: 5, largest_angle: 1.25, levels: 1, lights };
+        let blocks = (size / block) as usize;
+        let mut texels = |count: usize, low, high| -> Vec<[f32; 2]> {
+            (0..count).map(|_| [(); 2].map(|()| number(low, high))).collect()
+        };
+        let reference = texels((size * size) as usize, -0.0625, 0.0625);
+        let ranges = [texels(blocks * blocks, -0.125, 0.0), texels(blocks * blocks, 0.0, 0.125)].concat();
+        let width = blocks * 4;
+        let packed = (0..blocks).flat_map(|_| {
+            let rows = texels(width * 4, 0.0, 255.0);
+            let last = rows[..width].to_vec();
+            rows.into_iter().chain(last)
+        });
+        let packed = packed.map(|texel| texel.map(|byte| byte as u8)).collect();
+        let heights = (0..size * size).map(|_| number(0.0, 255.0) as u8).collect();
+        let samples = CompactSamples { range: [-0.25, 0.25], ranges, packed, heights };
+        Vdim::new(header, reference, VdimSamples::Compact(samples)).unwrap()
+    };
+    Vdim::of_levels((0..sizes.plane.trailing_zeros()).map(of_level).collect()).unwrap()
+}
+
+/// Sampled shadows of random shares.
+pub fn sampled_shadows(sizes: Sizes, levels: u32, seed: u64) -> ShadowMap {
+    let mut numbers = Numbers::new(seed);
+    let texels: u32 = (0..levels).map(|level| (sizes.flat >> level).max(1).pow(2)).sum();
+    let bytes = (0..texels * sizes.lights).map(|_| numbers.bits() as u8).collect();
+    ShadowMap::new(directions(sizes.lights, 2), sizes.flat, levels, bytes).unwrap()
+}
+
+/// A map that `map` makes for a number of lights, with or without sampled shadows.
+pub fn sampled_relief(sizes: Sizes, with_shadows: bool, map: impl Fn(u32) -> Vdim) -> Relief {
+    let shadows = with_shadows.then(|| sampled_shadows(sizes, BASE.levels, 12));
+    Relief::sampled(map(if with_shadows { sizes.lights } else { 0 }), shadows).unwrap()
+}
+
+/// A file of two materials behind an indirection map with sampled shadows.
+pub fn vdim_file() -> FlatBtfFile {
+    file_of_map(indirections)
+}
+
+/// The same with compact samples.
+pub fn compact_vdim_file() -> FlatBtfFile {
+    file_of_map(compact_indirections)
+}
+
+fn file_of_map(map: impl Fn(Sizes, u32, u64) -> Vdim) -> FlatBtfFile {
+    let relief = sampled_relief(SMALL, true, |lights| map(SMALL, lights, 11));
+    FlatBtfFile::new(FlatBtfDecoder::new(FlatBtfParts::new(relief, factored(SMALL, MATERIALS, 6)))).unwrap()
+}
+
+/// Layers of parts that have them.
+pub fn layers_of(parts: &FlatBtfParts) -> &LayerMap {
+    parts.relief.layers().expect("layers")
 }
 
 /// Shape of a made-up factored asset, besides its sizes.
@@ -259,7 +364,7 @@ pub fn example_layers() -> LayerMap {
 
 /// A file of these parts.
 pub fn file(layers: LayerMap, reflectance: FactoredFlatBtf) -> FlatBtfFile {
-    FlatBtfFile::new(FlatBtfDecoder::new(FlatBtfParts { layers, reflectance })).unwrap()
+    FlatBtfFile::new(FlatBtfDecoder::new(FlatBtfParts::new(layers, reflectance))).unwrap()
 }
 
 /// A file of [`factored_example`] over three sheets.
@@ -318,10 +423,9 @@ pub fn survives(bytes: &[u8]) -> bool {
     let asset = &decoder.parts().reflectance;
     let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
     for (k, (uv, detail)) in (0..).zip([([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)]) {
-        let point = decoder.seen(uv, TOWARDS[k as usize], detail);
+        let (point, parameters) = decoder.seen(uv, TOWARDS[k as usize], detail);
         let is_near = point.at.iter().all(|c| c.abs() < 2048.0);
         assert!(is_near && (0.0..=1.0).contains(&point.height), "{point:?}");
-        let parameters = decoder.parameters(&point, detail);
         assert!(parameters.iter().all(|c| (0.0..1.0).contains(c)), "{parameters:?}");
         let texel = asset.texel([k % asset.header().size, 0]);
         let mut values = Vec::new();

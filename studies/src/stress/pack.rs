@@ -1,9 +1,11 @@
 //! Packs written to bytes and read back, up to the limits of 16-bit indices and of 3D textures.
 
-use super::fed::{Numbers, constant, header};
+use super::fed::{Numbers, Of, constant, header};
 use super::row::{Measure, StressRow, Worst};
 use super::stages::Stages;
+use brdfc_core::Symmetry;
 use brdfc_formats::ErrorSummary;
+use brdfc_formats::direction::DirectionPair;
 use brdfc_formats::wavelet::{MAX_SLICES, SliceScale, WaveletPack};
 use brdfc_jobs::encode::EncodeError;
 use brdfc_wavelet::recipe::{Recipe, Target};
@@ -57,7 +59,7 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
         let slices = |found: &str| found.split(' ').find_map(|count| count.parse::<usize>().ok().filter(|n| *n > 2));
         refused.check(matches!(&refusal, Err(EncodeError::Size { field: "ratio", found, .. }) if slices(found) > Some(MAX_SLICES)));
     }
-    vec![
+    let mut rows = vec![
         back.row(
             ["packs written and read", "all grids, 1 to 2047 slices, 8 and 16 bits"],
             Measure::Count,
@@ -70,5 +72,37 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             0.0,
             "3D textures have at most 2,048 layers: rejected before the work, and by readers",
         ),
-    ]
+    ];
+    if !small {
+        rows.push(all_slices(stages));
+    }
+    rows
+}
+
+/// Encodes the maximum number of slices of a pack.
+fn all_slices(stages: &Stages) -> StressRow {
+    let mut worst = Worst::default();
+    let source =
+        Of { value: |pair: DirectionPair| 0.2 + pair.incoming[2] * pair.outgoing[2], symmetry: Symmetry::FULL };
+    let recipe = Recipe {
+        levels: 6,
+        stored_levels: 6,
+        target: Target::MaxBytes(u64::MAX),
+        measure_off_grid: false,
+        supercompress: false,
+        ..Recipe::visible()
+    };
+    match (stages.encode)(&source, &recipe) {
+        Ok(made) => {
+            worst.check(made.pack.slices() == MAX_SLICES);
+            worst.check((stages.read)(&made.bytes).is_ok_and(|read| read == made.pack));
+        }
+        Err(_) => worst.check(false),
+    }
+    worst.row(
+        ["packs written and read", "an encode of a 64 x 64 grid without a limit of bytes"],
+        Measure::Count,
+        0.0,
+        "the maximum number of slices of a 3D texture, numbers of 16 bits, and a file that is read again",
+    )
 }

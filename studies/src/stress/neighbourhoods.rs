@@ -2,12 +2,11 @@
 
 use super::fed::{Numbers, directions};
 use super::row::{Measure, StressRow, Worst};
-use super::stages::Stages;
-use brdfc_core::Tally;
+use super::stages::{Neighbourhood, Stages};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::scan::{Row, Scan};
 use brdfc_source::ScanSource;
-use brdfc_source::scan::fit::{NEIGHBOURS_3D, Neighbourhood, RIDGE, TERMS_3D};
+use brdfc_source::scan::fit::{NEIGHBOURS_3D, RIDGE, TERMS_3D};
 use nalgebra::{DMatrix, DVector};
 
 /// Arrangement of neighbours.
@@ -64,12 +63,12 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             against_orthogonal(stages, &points, &weights, &residuals, &mut solved, &mut variance);
 
             let fitted = |value: &dyn Fn(usize) -> f64| {
-                let mut neighbourhood = Neighbourhood::<3>::default();
+                let mut neighbourhood = Neighbourhood::with_capacity(points.len());
                 for (k, point) in points.iter().enumerate() {
                     neighbourhood.push(*point, length(*point), [value(k); 3]);
                 }
                 let range = neighbourhood.range(0);
-                (neighbourhood.fit::<TERMS_3D>(1, &mut Tally::default())[0], range)
+                ((stages.neighbourhood)(&mut neighbourhood), range)
             };
             constants.add(fitted(&|_| -27.6).0 / -27.6 - 1.0);
             let (value, (low, high)) = fitted(&|k| residuals[k][0]);

@@ -3,7 +3,7 @@
 use brdfc_bandwidth::daubechies;
 use brdfc_core::Source;
 use brdfc_formats::FormatError;
-use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthSurface, pyramid_level};
+use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthAverage, BandwidthSurface, pyramid_level};
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, polynomial_atan2, to_tangent_pole};
 use brdfc_formats::table::{Angles, TableDecoder, TablePack};
 use brdfc_formats::vector_math;
@@ -23,11 +23,14 @@ use brdfc_wavelet::quantise::{Quantised, quantise};
 use brdfc_wavelet::recipe::Recipe;
 use brdfc_wavelet::smooth::smooth;
 use brdfc_wavelet::table::Table;
-use brdfc_wavelet::threshold::{keep, ranking};
+use brdfc_wavelet::threshold::{keep, ranking, slice_energies};
 
 /// Basis, weights and residuals of a local fit. Returns its values at the queried point, linear and quadratic, and
 /// their variance factors.
 pub type LocalFit = fn(&[[f64; fit::TERMS_3D]], &[f64], &[[f64; 3]]) -> [f64; 4];
+
+/// Neighbours of a point in three dimensions.
+pub type Neighbourhood = fit::Neighbourhood<3, { fit::TERMS_3D }>;
 
 /// Stages under test. [`Stages::default`] has the program's own.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +59,8 @@ pub struct Stages {
     pub haar: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
     /// Haar synthesis.
     pub haar_inverse: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
+    /// Energy of each slice of a table of coefficients.
+    pub energies: fn(&Table) -> Vec<f64>,
     /// Selection of slices by energies, levels and number.
     pub threshold: fn(&[f64], u32, usize) -> Vec<u32>,
     /// Texels of slices.
@@ -74,10 +79,14 @@ pub struct Stages {
     pub table_pack: fn(&Prepared, &TableRecipe) -> Result<TablePack, EncodeError>,
     /// Moving least squares at one point.
     pub local_fit: LocalFit,
+    /// First value that a neighbourhood of a scan gives at the queried point.
+    pub neighbourhood: fn(&mut Neighbourhood) -> f64,
     /// Value of a scan at a pair.
     pub scan: fn(&ScanSource, DirectionPair) -> [f64; 3],
     /// Bandwidth over one reflection.
     pub one_bounce: fn(Bandwidth, f32, BandwidthSurface, f32) -> Bandwidth,
+    /// Mean bandwidth of incoming directions.
+    pub mean_bandwidth: fn(BandwidthAverage) -> Bandwidth,
     /// Level of the pyramid for a bandwidth.
     pub pyramid_level: fn(f32, i32) -> i32,
     /// Daubechies transform of a square image, followed by its inverse.
@@ -118,6 +127,7 @@ impl Default for Stages {
                 }
                 samples
             },
+            energies: slice_energies,
             threshold: |energies, levels, count| keep(&ranking(energies, levels), count),
             quantise,
             write: |pack| pack.to_bytes(true),
@@ -130,8 +140,10 @@ impl Default for Stages {
                 let solved = fit::solve::<3, { fit::TERMS_3D }>(basis, weights, residuals);
                 [solved.linear[0][0], solved.quadratic[0][0], solved.variance[0], solved.variance[1]]
             },
+            neighbourhood: |neighbourhood| neighbourhood.fit(1, &mut brdfc_core::Tally::default())[0],
             scan: |source, pair| source.eval(pair, &mut brdfc_core::Tally::default()),
             one_bounce: Bandwidth::one_bounce,
+            mean_bandwidth: BandwidthAverage::mean,
             pyramid_level,
             daubechies: |image, n| daubechies::inverse(&daubechies::forward(image, n, n)),
             encode: |source, recipe| brdfc_wavelet::encode::encode(source, recipe, &()),

@@ -7,10 +7,9 @@ use brdfc_core::Symmetry;
 use brdfc_wavelet::haar::transform;
 use brdfc_wavelet::recipe::Recipe;
 use brdfc_wavelet::table::Table;
-use brdfc_wavelet::threshold::slice_energies;
 
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
-    vec![threshold(stages, small), symmetric_energies(small), quantise(stages, 8), quantise(stages, 16)]
+    vec![threshold(stages, small), symmetric_energies(stages, small), quantise(stages, 8), quantise(stages, 16)]
 }
 
 /// Few distinct energies, so that nearly all are ties.
@@ -59,7 +58,7 @@ fn threshold(stages: &Stages, small: bool) -> StressRow {
 }
 
 /// Coefficients that are images of each other must tie, otherwise packs of symmetric materials would be asymmetric.
-fn symmetric_energies(small: bool) -> StressRow {
+fn symmetric_energies(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
     for levels in levels(small).filter(|levels| *levels < 5) {
         for filling in Filling::ALL {
@@ -67,7 +66,7 @@ fn symmetric_energies(small: bool) -> StressRow {
             let cells = 1usize << (2 * levels);
             let samples = filling.numbers(cells * cells / 4, &mut Numbers::new(7));
             let coefficients = transform(&table(levels, mirror, &samples), false);
-            let energies = slice_energies(&coefficients);
+            let energies = (stages.energies)(&coefficients);
             for flip in coefficients.fold.flips() {
                 for k in 0..cells {
                     let image = brdfc_wavelet::haar::flip_coefficient(k, *flip).0;

@@ -25,7 +25,8 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
         }
         let weights = [numbers.wide() as f32, 1e12 * numbers.unit() as f32];
         let other = Bandwidth { spatial: numbers.wide() as f32, angular: UNLIMITED * numbers.unit() as f32 };
-        let average = BandwidthAverage::default().add(bandwidth, weights[0]).add(other, weights[1]).mean();
+        let average =
+            (stages.mean_bandwidth)(BandwidthAverage::default().add(bandwidth, weights[0]).add(other, weights[1]));
         let (low, high) = (bandwidth.angular.min(other.angular), bandwidth.angular.max(other.angular));
         let within = |v: f32| {
             f64::from(v) >= f64::from(low) * (1.0 - 8.0 * U) && f64::from(v) <= f64::from(high) * (1.0 + 8.0 * U)

@@ -1,10 +1,13 @@
 //! Rows of the study: a stage, its input, its error and the bound.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 /// Unit roundoff of f32: the maximum relative error of one rounding.
 pub const U: f64 = 0.5 * f32::EPSILON as f64;
 
 /// All bounds.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct StressStudy {
     /// One row for each stage and input.
     pub rows: Vec<StressRow>,
@@ -18,7 +21,7 @@ impl StressStudy {
 }
 
 /// The worst error of one stage.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct StressRow {
     /// The stage.
     pub stage: String,
@@ -36,10 +39,23 @@ pub struct StressRow {
     pub why: String,
     /// True if the error is within the bound.
     pub holds: bool,
+    /// The same row with a deliberately broken stage; absent if no negative control exceeds the bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control: Option<BrokenRow>,
+}
+
+/// Error of a deliberately broken stage.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct BrokenRow {
+    /// Change of the stage.
+    pub change: String,
+    /// The worst error, above the bound.
+    pub error: f64,
 }
 
 /// Unit of errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Measure {
     /// The unit of the value.
     Absolute,
@@ -74,10 +90,11 @@ impl Worst {
         self.cases += 1;
     }
 
+    /// The row of a stage and its input.
     pub fn row(self, [stage, fed]: [&str; 2], measure: Measure, bound: f64, why: &str) -> StressRow {
         let Self { error, cases } = self;
         let (stage, fed, why) = (stage.to_owned(), fed.to_owned(), why.to_owned());
         // A row without comparisons does not hold.
-        StressRow { stage, fed, cases, measure, error, bound, why, holds: cases > 0 && error <= bound }
+        StressRow { stage, fed, cases, measure, error, bound, why, holds: cases > 0 && error <= bound, control: None }
     }
 }

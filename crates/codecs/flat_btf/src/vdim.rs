@@ -1,61 +1,144 @@
-//! Maps of a surface, measured by casting rays.
+//! View-dependent indirection maps of a surface, measured by casting rays (section 3.4 of Hadim et al. 2009), and sampled
+//! shadows.
 
-use super::map::{Displacement, Vdim, VdimHeader};
-use brdfc_flat_btf::caster::MAX_POLAR_DEGREES;
-use brdfc_flat_btf::model::MesoModel;
+use crate::caster::MAX_POLAR_DEGREES;
+use crate::compact::ParameterHeights;
+use crate::factored::with_mipmaps;
+use crate::model::MesoModel;
+use brdfc_core::progress::{Cancelled, Progress};
+use brdfc_formats::FormatError;
 use brdfc_formats::direction::{Vector, from_polar};
+use brdfc_formats::flat_btf::{SeenPoint, ShadowMap, Vdim, VdimHeader};
 use rayon::prelude::*;
 
-/// Rays per texel and axis of the study's maps.
+/// Rays per texel and axis, by default.
 pub const OVERSAMPLING: usize = 2;
 
-/// Computes the map of a surface by `oversampling²` rays for each texel and view.
-///
-/// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean
-/// over both sides of a silhouette would be a point that none of them sees.
-pub fn indirection(model: &MesoModel, header: VdimHeader, oversampling: usize) -> Vdim {
-    let (reference, displacements) = displacements(model, header, oversampling);
-    Vdim::new(header, reference, displacements)
+/// A measured view of a map: parameters that a view sees through a texel, not wrapped, and the height of the point.
+type Measured = ([f64; 2], f64);
+
+/// A map of one level before rounding.
+pub struct MeasuredVdim {
+    pub(crate) header: VdimHeader,
+    /// Parameters that the view along the normal sees less the centre of the texel, row by row.
+    pub(crate) reference: Vec<[f32; 2]>,
+    /// For each row `j` of texels, for each azimuth `a` below `R - 1`, for each column `i`, for each polar angle `k`.
+    seen: Vec<SeenPoint>,
 }
 
-/// Reference and displacements of a map before rounding, in the order of [`Vdim::new`].
-fn displacements(model: &MesoModel, header: VdimHeader, oversampling: usize) -> (Vec<[f32; 2]>, Vec<Displacement>) {
-    let size = header.size as usize;
-    let [zeniths, azimuths] = [header.zenith_samples as usize, header.azimuth_samples as usize];
-    let views: Vec<Vector> = (0..azimuths)
-        .flat_map(|a| (0..zeniths).map(move |k| (k, a)))
-        .map(|(k, a)| {
-            let [polar, azimuth] = header.view_angles(k as u32, a as u32);
+impl MeasuredVdim {
+    /// Measures a map of one level by `oversampling²` rays for each texel and view. `progress` receives a step per row of
+    /// texels.
+    ///
+    /// The value of a texel is the mean over the largest group of its rays that meet the surface close together: a mean
+    /// over both sides of a silhouette would be a point that none of them sees.
+    ///
+    /// # Errors
+    /// Returns an error if `progress` cancels.
+    pub fn new(
+        model: &MesoModel,
+        header: VdimHeader,
+        oversampling: usize,
+        progress: &dyn Progress,
+    ) -> Result<Self, Cancelled> {
+        let size = header.size as usize;
+        let angles = |a: u32| (0..header.polar_angles).map(move |k| header.view_angles(k, a));
+        let views: Vec<Vector> = (0..header.azimuth_rows - 1)
+            .flat_map(angles)
             // A ray along the ground meets nothing: stay slightly above it.
-            from_polar(polar.min(MAX_POLAR_DEGREES.to_radians()), azimuth)
-        })
-        .collect();
-    let row = |j: usize| {
-        let reference: Vec<([f64; 2], f64)> =
-            (0..size).map(|i| through_texel(model, [i, j], size, oversampling, [0.0, 0.0, 1.0])).collect();
-        let mut displacements = Vec::with_capacity(size * views.len());
-        for views in views.chunks_exact(zeniths) {
-            for (i, (normal, height)) in reference.iter().enumerate() {
-                for (k, view) in views.iter().enumerate() {
-                    if k == 0 {
-                        displacements.push(([0.0; 2], *height as f32));
-                        continue;
-                    }
-                    let (seen, height) = through_texel(model, [i, j], size, oversampling, *view);
-                    displacements.push(([0, 1].map(|axis| (seen[axis] - normal[axis]) as f32), height as f32));
+            .map(|[polar, azimuth]| from_polar(polar.min(MAX_POLAR_DEGREES.to_radians()), azimuth))
+            .collect();
+        let row = |j: usize| {
+            let through = |i: usize, view| through_texel(model, [i, j], size, oversampling, view);
+            let normal: Vec<Measured> = (0..size).map(|i| through(i, [0.0, 0.0, 1.0])).collect();
+            let mut seen = Vec::with_capacity(size * views.len());
+            for views in views.chunks_exact(header.polar_angles as usize) {
+                for (i, reference) in normal.iter().enumerate() {
+                    seen.push(seen_from(*reference, *reference));
+                    seen.extend(views[1..].iter().map(|view| seen_from(through(i, *view), *reference)));
                 }
             }
+            let centre = |k: usize| (k as f64 + 0.5) / size as f64;
+            let reference = |(i, (r, _)): (usize, &Measured)| [r[0] - centre(i), r[1] - centre(j)].map(|c| c as f32);
+            progress.step()?;
+            Ok((normal.iter().enumerate().map(reference).collect::<Vec<_>>(), seen))
+        };
+        let rows = (0..size).into_par_iter().map(row).collect::<Result<Vec<_>, Cancelled>>()?;
+        let (mut reference, mut seen) = (Vec::new(), Vec::with_capacity(size * size * views.len()));
+        for (r, s) in rows {
+            reference.extend(r);
+            seen.extend(s);
         }
-        let reference: Vec<[f32; 2]> = reference.iter().map(|(r, _)| r.map(|c| c as f32)).collect();
-        (reference, displacements)
-    };
-    let rows: Vec<_> = (0..size).into_par_iter().map(row).collect();
-    let (mut reference, mut displacements) = (Vec::new(), Vec::with_capacity(size * size * views.len()));
-    for (r, d) in rows {
-        reference.extend(r);
-        displacements.extend(d);
+        Ok(Self { header, reference, seen })
     }
-    (reference, displacements)
+
+    /// Rounds to a map.
+    ///
+    /// # Errors
+    /// Returns an error if the header or a number is out of range.
+    pub fn map(&self) -> Result<Vdim, FormatError> {
+        Vdim::of_views(self.header, self.reference.clone(), |texel, k, a| self.seen(texel, k, a))
+    }
+
+    /// What view `(k, a)` sees through a texel.
+    pub(crate) fn seen(&self, texel: [u32; 2], k: u32, a: u32) -> SeenPoint {
+        self.seen[index(&self.header, texel, k, a)]
+    }
+}
+
+/// Index of a view of a texel in [`MeasuredVdim::seen`].
+fn index(header: &VdimHeader, [i, j]: [u32; 2], k: u32, a: u32) -> usize {
+    let [size, polar_angles, azimuths] = [header.size, header.polar_angles, header.azimuth_rows - 1];
+    (((j * azimuths + a) * size + i) * polar_angles + k) as usize
+}
+
+/// Measures all levels of a map, with compact samples if `is_compact`. `progress` receives [`steps`] steps.
+///
+/// # Errors
+/// Returns an error if the header or a number is out of range, or if `progress` cancels.
+pub fn indirection<E: From<FormatError> + From<Cancelled>>(
+    model: &MesoModel,
+    header: VdimHeader,
+    oversampling: usize,
+    is_compact: bool,
+    progress: &dyn Progress,
+) -> Result<Vdim, E> {
+    header.check()?;
+    let heights = is_compact.then(|| ParameterHeights::new(model, &header));
+    let of_level = |level| {
+        let header = VdimHeader { size: header.side(level), levels: 1, ..header };
+        let measured = MeasuredVdim::new(model, header, oversampling, progress)?;
+        Ok(match &heights {
+            Some(heights) => measured.compact(header.block, heights)?,
+            None => measured.map()?,
+        })
+    };
+    let levels = (0..header.levels).map(of_level).collect::<Result<Vec<_>, E>>()?;
+    Ok(Vdim::of_levels(levels)?)
+}
+
+/// Progress steps of [`indirection`].
+pub fn steps(header: &VdimHeader) -> usize {
+    (0..header.levels).map(|level| header.side(level) as usize).sum()
+}
+
+/// Shadows of sampled lights: `reached` has for each light the texels that it reaches, `counts` the weights of texels in
+/// coarser levels.
+///
+/// # Errors
+/// Returns an error if the lights are out of range.
+pub fn shadow_map(
+    lights: Vec<[f32; 2]>,
+    reached: &[Vec<bool>],
+    counts: &[f32],
+    levels: u32,
+) -> Result<ShadowMap, FormatError> {
+    let bytes: Vec<u8> = reached.iter().flatten().map(|lit| if *lit { 255 } else { 0 }).collect();
+    ShadowMap::new(lights, counts.len().isqrt() as u32, levels, with_mipmaps(&bytes, counts, 1, levels))
+}
+
+fn seen_from((parameters, height): Measured, (reference, _): Measured) -> SeenPoint {
+    SeenPoint { displacement: [0, 1].map(|k| (parameters[k] - reference[k]) as f32), height: height as f32 }
 }
 
 /// Parameters that one view sees through each of `size` x `size` texels of the reference plane, row by row, not
@@ -72,13 +155,7 @@ pub fn seen_through_texels(model: &MesoModel, view: Vector, size: usize, oversam
 const GROUP: f64 = 2.0;
 
 /// Parameters and height that a view sees through a texel of the reference plane.
-fn through_texel(
-    model: &MesoModel,
-    texel: [usize; 2],
-    size: usize,
-    oversampling: usize,
-    view: Vector,
-) -> ([f64; 2], f64) {
+fn through_texel(model: &MesoModel, texel: [usize; 2], size: usize, oversampling: usize, view: Vector) -> Measured {
     let scale = 1.0 / size as f64;
     let sub = 1.0 / oversampling as f64;
     let mut seen = Vec::with_capacity(oversampling * oversampling);
@@ -111,9 +188,14 @@ fn through_texel(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use brdfc_flat_btf::mesh::{PeriodicMesh, VertexMaterial};
+    use crate::mesh::{PeriodicMesh, VertexMaterial};
 
-    const HEADER: VdimHeader = VdimHeader { size: 8, zenith_samples: 5, azimuth_samples: 8, largest_angle: 1.2 };
+    const HEADER: VdimHeader =
+        VdimHeader { size: 8, block: 1, polar_angles: 5, azimuth_rows: 9, largest_angle: 1.2, levels: 1, lights: 0 };
+
+    fn map(model: &MesoModel) -> Vdim {
+        MeasuredVdim::new(model, HEADER, 2, &()).unwrap().map().unwrap()
+    }
 
     /// Model of a height field of `n` x `n` vertices at `(column / n, row / n)`.
     fn height_field(n: usize, height: impl Fn(f64, f64) -> f64) -> MesoModel {
@@ -130,13 +212,12 @@ mod tests {
         oversampling: usize,
         mut check: impl FnMut([usize; 2], [f64; 2], [f32; 2], f32),
     ) {
-        let (_, displacements) = displacements(model, h, oversampling);
-        let mut values = displacements.into_iter();
+        let mut values = MeasuredVdim::new(model, h, oversampling, &()).unwrap().seen.into_iter();
         for j in 0..h.size as usize {
-            for a in 0..h.azimuth_samples {
+            for a in 0..h.azimuth_rows - 1 {
                 for i in 0..h.size as usize {
-                    for k in 0..h.zenith_samples {
-                        let (displacement, height) = values.next().unwrap();
+                    for k in 0..h.polar_angles {
+                        let SeenPoint { displacement, height } = values.next().unwrap();
                         check([i, j], h.view_angles(k, a), displacement, height);
                     }
                 }
@@ -148,9 +229,10 @@ mod tests {
     #[test]
     fn a_plane_in_the_reference_plane_has_the_identity_and_no_displacement() {
         let model = height_field(6, |_, _| 0.0);
-        for (index, r) in indirection(&model, HEADER, 2).reference.iter().enumerate() {
-            let expected = [index % 8, index / 8].map(|c| (c as f32 + 0.5) / 8.0);
-            assert!((r[0] - expected[0]).abs() < 1e-6 && (r[1] - expected[1]).abs() < 1e-6);
+        let map = map(&model);
+        for texel in 0..64 {
+            let r = map.reference([texel % 8, texel / 8], 0);
+            assert!(r[0].abs() < 1e-6 && r[1].abs() < 1e-6, "{r:?}");
         }
         each(&model, HEADER, 2, |_, _, d, z| {
             assert!(d[0].abs() < 2e-6 && d[1].abs() < 2e-6 && z.abs() < 1e-6, "{d:?} {z}");
@@ -245,7 +327,7 @@ mod tests {
         let model = height_field(16, |x, y| 0.075 * ((tau * x).sin() + (tau * (y + x)).cos()));
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| indirection(&model, HEADER, 2))
+            pool.install(|| map(&model))
         };
         assert_eq!(run(1), run(4));
     }

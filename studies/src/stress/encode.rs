@@ -7,7 +7,7 @@ use brdfc_core::address::parse_synth;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, cell_centre};
 use brdfc_formats::table::TableDecoder;
-use brdfc_formats::wavelet::{Filter, MAX_SLICES, RowScratch, WaveletDecoder, WaveletPack};
+use brdfc_formats::wavelet::{Filter, RowScratch, WaveletDecoder, WaveletPack};
 use brdfc_table::encode::Prepared;
 use brdfc_table::recipe::{Size, TableRecipe};
 use brdfc_wavelet::log_encode::LogEncoding;
@@ -20,9 +20,6 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     let mut rows = constants(stages, small);
     rows.push(lobes(stages, small));
     rows.push(narrow_tables(stages, small));
-    if !small {
-        rows.push(all_slices(stages));
-    }
     rows
 }
 
@@ -197,28 +194,5 @@ fn narrow_tables(stages: &Stages, small: bool) -> StressRow {
         Measure::Relative,
         1e-5,
         "nodes are between the smallest and the largest sample, filtered values between nodes; roundings of ln of 1e8",
-    )
-}
-
-/// Encodes the maximum number of slices of a pack.
-fn all_slices(stages: &Stages) -> StressRow {
-    let mut worst = Worst::default();
-    let source = super::fed::Of {
-        value: |pair: DirectionPair| 0.2 + pair.incoming[2] * pair.outgoing[2],
-        symmetry: brdfc_core::Symmetry::FULL,
-    };
-    let recipe = Recipe { target: Target::MaxBytes(u64::MAX), ..recipe(6, false) };
-    match (stages.encode)(&source, &recipe) {
-        Ok(made) => {
-            worst.check(made.pack.slices() == MAX_SLICES);
-            worst.check((stages.read)(&made.bytes).is_ok_and(|read| read == made.pack));
-        }
-        Err(_) => worst.check(false),
-    }
-    worst.row(
-        ["whole wavelet encode", "a 64 x 64 grid without a limit of bytes"],
-        Measure::Count,
-        0.0,
-        "the maximum number of slices of a 3D texture, numbers of 16 bits, and a file that is read again",
     )
 }
