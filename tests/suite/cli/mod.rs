@@ -32,10 +32,13 @@ mod render_assets;
 mod render_lobes;
 #[cfg(feature = "render")]
 mod render_packs;
+#[cfg(feature = "render")]
+mod render_textures;
 mod report;
 mod samples;
 mod schemas;
 mod shader;
+mod smoothing;
 mod synth;
 mod tables;
 mod verify;

@@ -39,8 +39,6 @@ pub struct WaveletReport {
     pub bits: u32,
     /// True if coarser levels and omitted slices are energy-preserving.
     pub energy_preserving: bool,
-    /// True if the table was smoothed.
-    pub smoothed: bool,
     /// Number of retained slices, without the zero slice.
     pub slices_retained: usize,
     /// Number of wavelet coefficients, and of slices at 1:1.
@@ -168,7 +166,6 @@ impl Encode for Recipe {
             "bias",
             "ranking",
             "energy_preserving",
-            "smooth",
         ],
     }];
 
@@ -200,7 +197,6 @@ impl Encode for Recipe {
             recipe.ranking = *ranking;
         }
         recipe.energy_preserving = options.energy_preserving.unwrap_or(recipe.energy_preserving);
-        recipe.smooth = options.smooth.unwrap_or(recipe.smooth);
         recipe.bias = options.bias()?.unwrap_or(recipe.bias);
         recipe.target = target(options)?.unwrap_or(recipe.target);
         Ok(recipe)
@@ -225,7 +221,6 @@ impl Encode for Recipe {
             stored_levels: header.stored_levels,
             bits: header.bits,
             energy_preserving: header.energy_preserving,
-            smoothed: self.smooth,
             slices_retained,
             slices_in_all: header.cells(),
             ratio: header.cells() as f64 / slices_retained as f64,

@@ -49,8 +49,6 @@ pub struct Recipe {
     pub bits: u32,
     /// `ε` of the log encoding.
     pub bias: f64,
-    /// True if the table is smoothed.
-    pub smooth: bool,
     /// True if coarser levels of detail and dropped slices are energy-preserving; tangent-pole only.
     pub energy_preserving: bool,
     /// Target that decides the number of slices.
@@ -75,7 +73,6 @@ impl Default for Recipe {
             stored_levels: 5,
             bits: 8,
             bias: DEFAULT_BIAS,
-            smooth: false,
             energy_preserving: false,
             target: Target::Ratio(4.0),
             ranking: Ranking::Energy,

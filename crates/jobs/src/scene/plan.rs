@@ -4,15 +4,16 @@ use super::batch::address_of;
 use super::gates::Gates;
 use super::lobes::{LOBES, with_hint};
 use super::manifest::Manifest;
-use super::maps::{ENVIRONMENT_PARTS, PARTS, RequestedMaps, part_name, requested_parts};
+use super::maps::{ENVIRONMENT_PARTS, PARTS, RequestedMaps, TEXTURE, part_name, requested_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
+use super::textures::TextureJob;
 use super::uses::Use;
 use crate::encode::{OptionError, PackRecipe, options_over};
 use crate::error::Error;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_lobes::LobesRecipe;
-use brdfc_source::Input;
+use brdfc_source::{Input, Reading};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +26,8 @@ pub struct Job {
     pub declared: String,
     /// Path or address, resolved against the manifest's folder.
     pub input: Input,
+    /// Settings of reading the input.
+    pub reading: Reading,
     /// The recipe from its options, before the needs limit it.
     pub asked: PackRecipe,
     /// The recipe, limited by the needs.
@@ -33,6 +36,8 @@ pub struct Job {
     pub lobes: Option<LobesRecipe>,
     /// The maps for adaptive shading that it needs.
     pub maps: RequestedMaps,
+    /// The texture whose bandwidth map it needs; `None` if it needs none.
+    pub texture: Option<TextureJob>,
     /// Limits that the finished pack has to meet.
     pub gates: Gates,
     /// Needs of the scene.
@@ -42,15 +47,24 @@ pub struct Job {
 }
 
 impl Job {
-    /// Returns true if both jobs have the same source, recipes and maps.
+    /// Returns true if both jobs have the same source, settings, recipes and maps.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        let of = |job: &Self| (job.lobes, job.maps);
-        self.input == other.input && self.recipe == other.recipe && of(self) == of(other)
+        let of = |job: &Self| (job.reading, job.lobes, job.maps);
+        self.input == other.input
+            && self.recipe == other.recipe
+            && of(self) == of(other)
+            && self.texture == other.texture
     }
 
     /// Names of its lobes and maps among its parts, in the order of its files.
     pub fn lighting_parts(&self) -> impl Iterator<Item = &'static str> {
-        self.lobes.map(|_| LOBES).into_iter().chain(requested_parts(PARTS, self.maps))
+        let texture = self.texture.iter().map(|_| TEXTURE);
+        self.lobes.map(|_| LOBES).into_iter().chain(requested_parts(PARTS, self.maps)).chain(texture)
+    }
+
+    /// Returns true if it needs any of the maps for adaptive shading.
+    pub(super) fn has_maps(&self) -> bool {
+        self.maps != [false; 2] || self.texture.is_some()
     }
 }
 
@@ -101,7 +115,8 @@ impl Plan {
     /// Paths of all sources that are files.
     pub fn sources(&self) -> impl Iterator<Item = &Path> {
         let environment = self.environment.iter().map(|job| job.path.as_path());
-        self.jobs.iter().filter_map(|job| job.input.path()).chain(environment)
+        let textures = self.jobs.iter().filter_map(|job| Some(job.texture.as_ref()?.path.as_path()));
+        self.jobs.iter().filter_map(|job| job.input.path()).chain(textures).chain(environment)
     }
 
     /// Names of the files that a build writes into its output folder.
@@ -178,17 +193,21 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             Some(address) => Input::Address(address.to_owned()),
             None => Input::File(folder.join(&material.source)),
         };
+        let uses = uses.remove(name.as_str()).unwrap_or_default();
+        let texture = uses.iter().find_map(|(_, used)| TextureJob::of(used, folder)).filter(|_| need.texture);
         plan.jobs.push(Job {
             name: name.clone(),
             declared: material.source.display().to_string(),
             input,
+            reading: material.reading.over(defaults.reading),
             asked,
             recipe,
             lobes: need.lobes.then_some(lobes),
             maps: [need.bandwidth, need.samples],
+            texture,
             gates,
             needs: *need,
-            uses: uses.remove(name.as_str()).unwrap_or_default(),
+            uses,
         });
     }
     Ok(plan)
