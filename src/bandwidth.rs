@@ -12,7 +12,7 @@ pub use brdfc_formats::bandwidth::BandwidthMap;
 pub use brdfc_source::tile_image::FileImage;
 
 use crate::environment::{Environment, open_image};
-use crate::{Error, Input, Material, Tally};
+use crate::{Error, Input, Material, Reading, Tally};
 use brdfc_bandwidth::map::{brdf_map, environment_map, texture_map};
 use brdfc_render::rendering::{bandwidth_panel, rgb_png};
 use brdfc_source::radiance_image::open_radiance_image;
@@ -21,8 +21,8 @@ use brdfc_source::tile_image::open_colours;
 /// Kind of input for a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// The lobes of a material, each transformed at a resolution.
-    Material(Resolution),
+    /// The lobes of a material, read with settings and each transformed at a resolution.
+    Material(Resolution, Reading),
     /// A latitude-longitude image of radiance, or a cube map or a prefiltered environment.
     Environment,
     /// An image on a surface.
@@ -50,7 +50,7 @@ impl Subject {
             Ok(if radiance == Some(true) { open_radiance_image(input)? } else { open_colours(input)? })
         };
         Ok(match kind {
-            Kind::Material(resolution) => Self::Material(crate::open(input)?, resolution),
+            Kind::Material(resolution, reading) => Self::Material(crate::open_with(input, reading)?, resolution),
             Kind::Environment if radiance == Some(false) => {
                 let FileImage { width, height, pixels } = image()?;
                 Self::Environment(Environment { width, height, pixels })

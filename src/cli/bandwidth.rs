@@ -3,6 +3,7 @@
 use super::output::{
     json_or, note, note_directions, note_repairs, output_parser, print, print_report, refuse_unfit_output, write_file,
 };
+use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
 use crate::table;
 use brdfc::bandwidth::{
@@ -52,6 +53,8 @@ pub struct Arguments {
     /// Ignore everything beyond the border of a texture, which then does not repeat.
     #[arg(long)]
     no_tile: bool,
+    #[command(flatten)]
+    reading: ReadingOptions,
     /// Also write the map as an image, from dark (at most 1/256 of the largest value) to pale yellow.
     #[cfg(feature = "render")]
     #[arg(long, value_name = "MAP.png")]
@@ -161,6 +164,7 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
     if kind != Kind::Texture && (arguments.size.is_some() || arguments.no_tile) {
         return usage("--size and --no-tile apply only to textures".to_owned());
     }
+    let reading = checked(arguments.reading, &[&arguments.input])?;
     Ok(match kind {
         Kind::Brdf => {
             let asked = arguments.resolution.as_deref();
@@ -170,7 +174,7 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
                     "--resolution: found {found}, expected a power of two from {least} to {most}, or auto"
                 ));
             };
-            bandwidth::Kind::Material(resolution)
+            bandwidth::Kind::Material(resolution, reading)
         }
         Kind::Environment => bandwidth::Kind::Environment,
         Kind::Texture => bandwidth::Kind::Texture(Placement {

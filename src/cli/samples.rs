@@ -4,6 +4,7 @@ use super::info::{importance_lines, lines_of};
 use super::output::{
     json_or, note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, write_file,
 };
+use super::reading::{ReadingOptions, open_read};
 use super::{Common, Error};
 use crate::table;
 use brdfc::samples::{HalfGrid, ImportanceFacts, ImportanceRecipe, draw};
@@ -67,6 +68,8 @@ pub struct Arguments {
     /// the table misses a feature.
     #[arg(long, value_name = "SHARE", default_value_t = Fraction::bare(ImportanceRecipe::default().defensive))]
     defensive: Fraction,
+    #[command(flatten)]
+    reading: ReadingOptions,
 }
 
 /// Report of `--json`.
@@ -143,7 +146,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     recipe.check(true).map_err(|error| wrong_flag(arguments, error))?;
     refuse_unfit_output(&arguments.output, &["ktx2"], arguments.input.path().as_slice())?;
     let start = Instant::now();
-    let material = brdfc::open(&arguments.input)?;
+    let material = open_read(&arguments.input, arguments.reading)?;
     let source = material.source();
     note_directions(common, &arguments.input, source);
     let read = start.elapsed().as_secs_f64();

@@ -1,6 +1,6 @@
 //! The library, as programs use it.
 
-use brdfc::{Budget, Build, Cancelled, EncodeOptions, ErrorKind, Progress, Stage};
+use brdfc::{Budget, Build, Cancelled, EncodeOptions, ErrorKind, Progress, Reading, Stage};
 use brdfc_testing::program::Folder;
 use std::sync::Mutex;
 
@@ -173,7 +173,7 @@ fn modules_make_the_files_of_the_verbs() {
     assert_eq!(file("synth:nothing", Target::Ply).unwrap_err().kind(), ErrorKind::Input);
 
     let theirs = written("map.ktx2", &["bandwidth", MODEL, "--resolution", "32"]);
-    let kind = Kind::Material(Resolution::parse("32").unwrap());
+    let kind = Kind::Material(Resolution::parse("32").unwrap(), Reading::default());
     let subject = Subject::open(&MODEL.into(), kind).unwrap();
     assert!(subject.map(DEFAULT_EPSILON).unwrap().0.to_bytes(true) == theirs);
     assert_eq!(subject.map(2.0).unwrap_err().kind(), ErrorKind::Usage);

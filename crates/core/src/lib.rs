@@ -6,6 +6,7 @@ pub mod analytic;
 pub mod byte_count;
 mod describe;
 pub mod half_difference;
+mod luminance;
 mod pack_source;
 pub mod pair_list;
 pub mod progress;
@@ -18,6 +19,7 @@ pub mod words;
 
 pub use brdfc_formats::Symmetry;
 pub use describe::Describe;
+pub use luminance::{LUMINANCE_WEIGHTS, luminance};
 pub use pack_source::PackSource;
 pub use smooth::Smooth;
 pub use source::Source;

@@ -87,6 +87,18 @@ fn commands_read_smoothed_values() {
         });
         assert!(smoothed < 0.7 * rough, "{codec}: {rough} {smoothed}");
     }
+    let mean = |more: &[&str]| {
+        let bandwidth = ["bandwidth", "noisy.binary", "-o", "map.ktx2", "--resolution", "32", "--json"];
+        folder.run(&[&bandwidth, more].concat()).succeeded().json()["mean"].as_f64().unwrap()
+    };
+    let [rough, smoothed] = [&[][..], &["--smooth"]].map(mean);
+    assert!(smoothed < 0.9 * rough, "{rough} {smoothed}");
+    let samples = |more: &[&str]| {
+        let samples = ["samples", "noisy.binary", "-o", "samples.ktx2", "--count", "64", "--polar", "4"];
+        folder.run(&[&samples, more].concat()).succeeded();
+        folder.read("samples.ktx2")
+    };
+    assert!(samples(&[]) != samples(&["--smooth"]));
 }
 
 /// Keys of a material override the defaults, and flags too. The store tells the settings apart.

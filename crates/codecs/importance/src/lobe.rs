@@ -7,8 +7,6 @@ use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use brdfc_formats::importance::ImportanceHeader;
 use std::f64::consts::FRAC_1_PI;
 
-/// Luminance weights of Rec. 709.
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// Upper bound of values, which keeps sums finite.
 const MAX_VALUE: f64 = 1e30;
 /// Part of the defensive share that is uniform over all half vectors, including half vectors that no direction of the
@@ -82,5 +80,5 @@ fn density(outgoing: Vector, half: Vector) -> (Vector, f64) {
 fn luminance(source: &dyn Source, pair: DirectionPair, tally: &mut Tally) -> f64 {
     let value = source.eval(pair, tally);
     // NaN becomes 0 as well.
-    (0..3).map(|k| LUMINANCE[k] * value[k].max(0.0)).sum::<f64>().min(MAX_VALUE)
+    brdfc_core::luminance(value.map(|channel| channel.max(0.0))).min(MAX_VALUE)
 }

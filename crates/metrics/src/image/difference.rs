@@ -42,8 +42,7 @@ pub struct ImageDifference {
 
 /// Relative luminance of linear RGB, Rec. 709.
 pub fn luminance(pixel: [f32; 3]) -> f64 {
-    let [r, g, b] = pixel.map(f64::from);
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    brdfc_core::luminance(pixel.map(f64::from))
 }
 
 /// The factor that takes the 99th percentile of luminance over surfaces to 1: the brightest 1 % clip. 1 for images

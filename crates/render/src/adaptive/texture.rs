@@ -7,10 +7,8 @@
 use crate::curvature::step_squared;
 use crate::gbuffer::GBuffer;
 use crate::mipmaps::Mipmaps;
+use brdfc_core::LUMINANCE_WEIGHTS;
 use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
-
-/// Weights of linear RGB in luminance.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// A texture on a part of a scene. It repeats.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +36,8 @@ impl TexturePoint {
 
     /// Luminance of the colour.
     pub fn luminance(&self) -> f32 {
-        let [r, g, b] = self.colour;
-        LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b
+        let ([r, g, b], weights) = (self.colour, LUMINANCE_WEIGHTS.map(|weight| weight as f32));
+        weights[0] * r + weights[1] * g + weights[2] * b
     }
 
     /// A radiance without texture, times the colour.

@@ -3,6 +3,7 @@
 //! distribution by power iterations; here it is the retro-reflection of the material.
 
 use super::warp::VisibleNormals;
+use brdfc_core::luminance;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar};
 use brdfc_readers::rgl::{Azimuths, Colour, Map, Rgl};
@@ -203,11 +204,6 @@ impl Distributions {
             jacobian: true,
         }
     }
-}
-
-/// Luminance of linear RGB.
-fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 #[cfg(test)]
