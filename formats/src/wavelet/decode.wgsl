@@ -21,8 +21,8 @@
 //     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
 //     2 bilinear   four reconstructions around the inner direction, blended (section 5.4.2)
 //
-// Samplers cannot filter the outer direction of energy-preserving packs: both functions reconstruct its four cells one
-// by one.
+// Energy-preserving packs have a scaling coefficient for each level, which coarser levels read through the index map: one
+// fetch more, and three more between levels.
 
 // Same fields and order as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
 struct WaveletBrdfParameters {
@@ -36,15 +36,15 @@ struct WaveletBrdfParameters {
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
     reserved_1: f32,
-    energy_preserving: u32,             // 1 energy-preserving: coarser cells are logarithms of means; 0 means of logarithms
+    energy_preserving: u32,  // 1 with a scaling coefficient for each level, else 0
     window: u32,             // stored outer cells: first column, first row, columns, rows, 8 bits each
 }
 
 @group(1) @binding(5) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
 // Texture of the KTX2 file.
 @group(1) @binding(6) var wavelet_brdf_slices: texture_3d<f32>;
-// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and the share
-// of the lower half in energy-preserving packs.
+// Texels of 32-bit floats, 2^N per row, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and 0. In
+// energy-preserving packs the coefficient 4^N + l is the scaling coefficient of level l < N.
 @group(1) @binding(7) var wavelet_brdf_index: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(8) var wavelet_brdf_sampler: sampler;
@@ -107,45 +107,18 @@ fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bo
     let axes = wavelet_brdf_axes(wi, wo);
     let outer = wavelet_brdf_taps(axes.outer, brdfc_frame.blend > 0u);
     let inner = wavelet_brdf_taps(axes.inner, brdfc_frame.blend == 2u);
+    let cells = select(4u, 1u, brdfc_frame.blend == 0u);
     if brdfc_frame.blend < 2u {
-        return wavelet_brdf_filtered(outer, inner.column.lower, inner.row.lower, level, hardware);
+        return wavelet_brdf_reconstruct(outer, cells, inner.column.lower, inner.row.lower, level, hardware);
     }
     var value = vec3<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let column = wavelet_brdf_cell(inner.column, k & 1u);
         let row = wavelet_brdf_cell(inner.row, k >> 1u);
         let weight = wavelet_brdf_cell_weight(inner.row, k >> 1u) * wavelet_brdf_cell_weight(inner.column, k & 1u);
-        value += weight * wavelet_brdf_filtered(outer, column, row, level, hardware);
+        value += weight * wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
     }
     return value;
-}
-
-// Value of one inner cell, filtered over outer cells. Filtering coefficients, as a sampler does, equals filtering
-// values, except for energy-preserving packs, whose outer cells are reconstructed one by one.
-fn wavelet_brdf_filtered(
-    outer: WaveletBrdfTaps,
-    column: u32,
-    row: u32,
-    level: f32,
-    hardware: bool,
-) -> vec3<f32> {
-    let cells = select(4u, 1u, brdfc_frame.blend == 0u);
-    if wavelet_brdf_parameters.energy_preserving == 0u {
-        return wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
-    }
-    var value = vec3<f32>(0.0);
-    for (var k = 0u; k < cells; k += 1u) {
-        let at = WaveletBrdfTaps(wavelet_brdf_only(outer.column, k & 1u), wavelet_brdf_only(outer.row, k >> 1u));
-        let weight = wavelet_brdf_cell_weight(outer.row, k >> 1u) * wavelet_brdf_cell_weight(outer.column, k & 1u);
-        value += weight * wavelet_brdf_reconstruct(at, 1u, column, row, level, false);
-    }
-    return value;
-}
-
-// One of the two cells.
-fn wavelet_brdf_only(tap: WaveletBrdfTap, upper: u32) -> WaveletBrdfTap {
-    let cell = wavelet_brdf_cell(tap, upper);
-    return WaveletBrdfTap(cell, cell, 0.0, tap.position);
 }
 
 // Section 5.3, synthesis (equation 2) along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
@@ -164,8 +137,12 @@ fn wavelet_brdf_reconstruct(
     let whole = u32(floor(clamped));
     let fraction = clamped - floor(clamped);
     let last = whole + select(0u, 1u, fraction > 0.0);
-    let scaling = vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
-    var value = wavelet_brdf_coefficient(scaling, outer, cells, hardware) * wavelet_brdf_weight(levels);
+    var scaling = wavelet_brdf_coefficient(wavelet_brdf_scaling(whole), outer, cells, hardware);
+    if wavelet_brdf_parameters.energy_preserving == 1u && last > whole {
+        let finer = wavelet_brdf_coefficient(wavelet_brdf_scaling(last), outer, cells, hardware);
+        scaling += fraction * (finer - scaling);
+    }
+    var value = scaling * wavelet_brdf_weight(levels);
     for (var j = 0u; j < last; j += 1u) {
         let child_column = column >> (levels - j - 1u);
         let child_row = row >> (levels - j - 1u);
@@ -183,13 +160,6 @@ fn wavelet_brdf_reconstruct(
         // The coarser value is an intermediate result of the finer one, so blending levels needs no second
         // reconstruction.
         let part = select(1.0, fraction, j == whole);
-        if wavelet_brdf_parameters.energy_preserving == 1u {
-            let of_rows = part * latitude_weight * a;
-            let of_columns = part * longitude_weight * b;
-            value += of_rows - wavelet_brdf_rise(sign(latitude_weight) * of_rows, latitude.w);
-            value += of_columns - wavelet_brdf_rise(sign(longitude_weight) * of_columns, longitude.w);
-            continue;
-        }
         value += part * (latitude_weight * a + longitude_weight * b);
     }
     return value;
@@ -200,40 +170,16 @@ fn wavelet_brdf_weight(n: u32) -> f32 {
     return bitcast<f32>((127u - n) << 23u);
 }
 
-// Difference between the logarithm of the mean of two halves and the mean of their logarithms. The logarithms are h
-// above and below their mean and the lower half has the weight `lower`: ln(lower exp(h) + (1 - lower) exp(-h)).
-fn wavelet_brdf_rise(h: vec3<f32>, lower: f32) -> vec3<f32> {
-    let size = abs(h);
-    let upper = 1.0 - lower;
-    let brighter = select(vec3<f32>(lower), vec3<f32>(upper), h < vec3<f32>(0.0));
-    let darker = select(vec3<f32>(upper), vec3<f32>(lower), h < vec3<f32>(0.0));
-    return size + wavelet_brdf_ln(brighter + darker * wavelet_brdf_exp(-2.0 * size));
+// Entry of the scaling coefficient of a level. Energy-preserving packs have one for each level, the finest in slice 1.
+fn wavelet_brdf_scaling(level: u32) -> vec4<f32> {
+    let levels = wavelet_brdf_parameters.levels;
+    if wavelet_brdf_parameters.energy_preserving == 1u && level < levels {
+        return wavelet_brdf_entry((1u << (2u * levels)) + level);
+    }
+    return vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
 }
 
-// exp(x) for x <= 0 with a relative error below 2.5e-7 down to -80. Built-in functions differ between GPUs.
-fn wavelet_brdf_exp(value: vec3<f32>) -> vec3<f32> {
-    let x = max(value, vec3<f32>(-87.0));
-    let k = round(x * 1.442695);
-    let r = (x - k * 0.6933594) - k * -2.1219444e-4;
-    let p = 0.5 + r * (1.666652e-1 + r * (4.1666206e-2 + r * (8.368882e-3 + r * 1.3950478e-3)));
-    let scale = bitcast<vec3<f32>>((vec3<i32>(k) + 127) << vec3<u32>(23u));
-    // Drivers may reorder additions of constants; this expression has none.
-    return scale + (r + r * r * p) * scale;
-}
-
-// ln(y) for numbers from 1/8 to 1 with a relative error below 3e-7.
-fn wavelet_brdf_ln(y: vec3<f32>) -> vec3<f32> {
-    let bits = bitcast<vec3<i32>>(y);
-    let exponent = (bits - 0x3f3504f3) >> vec3<u32>(23u);
-    let z = bitcast<vec3<f32>>(bits - (exponent << vec3<u32>(23u))) - 1.0;
-    var p = 1.276156e-1 + z * -7.634455e-2;
-    p = 2.0001227e-1 + z * (-1.6623357e-1 + z * (1.420176e-1 + z * (-1.316019e-1 + z * p)));
-    p = 3.333333e-1 + z * (-2.500082e-1 + z * p);
-    return vec3<f32>(exponent) * 0.6931472 + (z + z * z * (z * p - 0.5));
-}
-
-// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 if it was dropped, and the fourth
-// component of the map.
+// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 if it was dropped.
 fn wavelet_brdf_entry(coefficient: u32) -> vec4<f32> {
     let levels = wavelet_brdf_parameters.levels;
     let texel = vec2<u32>(coefficient & ((1u << levels) - 1u), coefficient >> levels);

@@ -31,8 +31,8 @@ pub struct Header {
     pub mean: f32,
     /// `ε` of the log encoding `ln(f / μ + ε)`, positive.
     pub bias: f32,
-    /// True for energy-preserving packs, whose coarser cells are logarithms of means, see [`super::lift`]; false for
-    /// means of logarithms, as in the paper.
+    /// True for energy-preserving packs, which have a scaling coefficient for each level of detail; false for one scaling
+    /// coefficient, as in the paper, whose coarser levels are darker.
     pub energy_preserving: bool,
 }
 
@@ -45,6 +45,28 @@ impl Header {
     /// Cells of one hemisphere, which is also the number of wavelet coefficients.
     pub fn cells(&self) -> usize {
         self.grid() * self.grid()
+    }
+
+    /// Number of the scaling coefficient of a level of detail: 0 for the finest, and for all levels of packs that are not
+    /// energy-preserving.
+    pub fn scaling_coefficient(&self, level: u32) -> usize {
+        if self.energy_preserving && level < self.levels { self.cells() + level as usize } else { 0 }
+    }
+
+    /// Number of coefficients: the wavelet coefficients, and in energy-preserving packs the scaling coefficients of
+    /// coarser levels.
+    pub fn coefficients(&self) -> usize {
+        self.cells() + self.coarser_scalings()
+    }
+
+    /// Number of scaling coefficients of levels of detail below the finest.
+    pub fn coarser_scalings(&self) -> usize {
+        if self.energy_preserving { self.levels as usize } else { 0 }
+    }
+
+    /// Columns and rows of the index map: a row of `2^N` texels for `2^N` coefficients.
+    pub fn index_extent(&self) -> [u32; 2] {
+        [self.grid() as u32, self.coefficients().div_ceil(self.grid()) as u32]
     }
 
     /// Texel format: 1 or 4 components of 8 or 16 bits.
@@ -72,8 +94,8 @@ pub struct SliceScale {
 pub struct WaveletPack {
     /// Sizes, parameterisation and constants of the pack.
     pub header: Header,
-    /// Compression map of the paper: slice of each coefficient, 0 if it was dropped. Has `cells` elements. Element 0,
-    /// the scaling coefficient, has slice 1.
+    /// Compression map of the paper: slice of each coefficient, 0 if it was dropped. Has
+    /// [`Header::coefficients`] elements. Element 0, the scaling coefficient, has slice 1.
     pub index: Vec<u16>,
     /// One per slice; slice 0, the zero slice, has scale and offset 0.
     pub scales: Vec<SliceScale>,
@@ -126,15 +148,22 @@ impl WaveletPack {
         self.scales.len()
     }
 
+    /// Wavelet coefficients that have a slice.
+    pub fn retained(&self) -> usize {
+        self.slices() - 1 - self.header.coarser_scalings()
+    }
+
     /// GPU memory of the texture and the index map, bytes. The index map has a slice number, scale and offset per
     /// coefficient (16 bytes, see [`crate::wavelet::shader`]).
     pub fn gpu_bytes(&self) -> u64 {
-        gpu_bytes(&self.header, self.window(), self.slices())
+        gpu_bytes(&self.header, self.window(), self.retained())
     }
 }
 
-/// GPU memory of a pack with this many slices of such a window, including the zero slice, bytes.
-pub fn gpu_bytes(header: &Header, window: Window, slices: usize) -> u64 {
+/// GPU memory of a pack that retains this many wavelet coefficients, with slices of such a window, bytes.
+pub fn gpu_bytes(header: &Header, window: Window, retained: usize) -> u64 {
+    let slices = 1 + retained + header.coarser_scalings();
     let texture = (window.size[0] * window.size[1]) as usize * slices * header.texel_format().texel_bytes();
-    (texture + INDEX_BYTES * header.cells()) as u64
+    let [columns, rows] = header.index_extent();
+    (texture + INDEX_BYTES * (columns * rows) as usize) as u64
 }

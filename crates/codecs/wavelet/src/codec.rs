@@ -139,7 +139,7 @@ impl BrdfRecipe for Recipe {
         let window = window(&grey, self.directions.light);
         let stored = 1usize << (2 * self.stored_levels);
         let all = needed_coefficients(&grey, self.directions.view)[..stored].iter().filter(|needed| **needed).count();
-        let bytes = |header: &Header, slices: usize| gpu_bytes(header, window, slices + 1);
+        let bytes = |header: &Header, slices: usize| gpu_bytes(header, window, slices);
         match self.target {
             Target::Ratio(ratio) => {
                 let retained = ((grey.cells() as f64 / ratio).round() as usize).clamp(1, stored);
@@ -218,7 +218,7 @@ impl Encode for Recipe {
         let encode::Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, tally, evaluated } =
             encode_tabulated(&tabulated, source, self, progress)?;
         let header = &pack.header;
-        let slices_retained = pack.slices() - 1;
+        let slices_retained = pack.retained();
         let report = WaveletReport {
             parameterisation: header.parameterisation,
             grid: header.grid(),

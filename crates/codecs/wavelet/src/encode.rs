@@ -1,6 +1,7 @@
 //! The encoder of wavelet packs, as a sequence of stages.
 
 use super::crop::{crop, needed_coefficients, window};
+use super::energy::preserve_energy;
 use super::log_encode::{LogEncoding, log_decode, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
@@ -53,7 +54,8 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
 pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
-        let found = ratio_count(recipe.grid().cells(), ratio, most) + 1;
+        let coarser = if recipe.energy_preserving { recipe.levels as usize } else { 0 };
+        let found = ratio_count(recipe.grid().cells(), ratio, most) + 1 + coarser;
         if found > MAX_SLICES {
             return Err(EncodeError::Size {
                 field: "ratio",
@@ -91,7 +93,7 @@ pub fn encode_tabulated(
     }
 
     start(Stage::Haar)?;
-    let coefficients = haar::transform(&logarithms, recipe.energy_preserving);
+    let coefficients = haar::transform(&logarithms);
     drop(logarithms);
 
     start(Stage::Threshold)?;
@@ -114,7 +116,7 @@ pub fn encode_tabulated(
     let slices = choose(&coefficients, &reference, &ranking, header, &needs, recipe.target)?;
 
     start(Stage::Quantise)?;
-    let mut pack = assemble(&coefficients, &slices, header);
+    let mut pack = assemble(&coefficients, &reference, &slices, header);
     drop(coefficients);
 
     start(Stage::MeasureOnGrid)?;
@@ -169,12 +171,12 @@ fn choose(
     let count = match target {
         Target::Ratio(ratio) => ratio_count(header.cells(), ratio, ranking.len()),
         Target::MaxBytes(bytes) => {
-            let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices + 1);
+            let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices);
             if bytes_of(1) > bytes {
                 return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: bytes_of(1) });
             }
             let needed: Vec<u32> = ranking.iter().copied().filter(|k| needs.coefficients[*k as usize]).collect();
-            let most = needed.len().min(MAX_SLICES - 1);
+            let most = needed.len().min(most_slices(&header));
             let count = (1..=most).collect::<Vec<_>>().partition_point(|slices| bytes_of(*slices) <= bytes);
             return Ok(threshold::keep(&needed, count));
         }
@@ -183,16 +185,21 @@ fn choose(
                 return Err(EncodeError::NothingMeasured);
             }
             let error = |count: usize| {
-                let pack = assemble(coefficients, &threshold::keep(ranking, count), header);
+                let pack = assemble(coefficients, reference, &threshold::keep(ranking, count), header);
                 grid_error(reference, &WaveletDecoder::new(&pack), needs.directions).norms.relative_mean
             };
-            fewest_within(allowed, ranking.len().min(MAX_SLICES - 1), error).map_err(|(found, slices)| {
+            fewest_within(allowed, ranking.len().min(most_slices(&header)), error).map_err(|(found, slices)| {
                 let best = format!("all {slices} slices at {} bits", header.bits);
                 EncodeError::BudgetMissed { found, allowed, best }
             })?
         }
     };
     Ok(threshold::keep(ranking, count))
+}
+
+/// Maximum number of slices of wavelet coefficients.
+fn most_slices(header: &Header) -> usize {
+    MAX_SLICES - 1 - header.coarser_scalings()
 }
 
 /// Number of slices at a ratio, of at most as many as the stored levels have: a pack with fewer levels is already
@@ -224,7 +231,13 @@ fn fewest_within(allowed: f64, most: usize, error: impl Fn(usize) -> f64) -> Res
 }
 
 /// Assembles a pack of the chosen slices, without measuring its errors.
-fn assemble(coefficients: &Table, slices: &[u32], header: Header) -> WaveletPack {
+fn assemble(coefficients: &Table, reference: &Table, slices: &[u32], header: Header) -> WaveletPack {
+    let pack = plain(coefficients, slices, Header { energy_preserving: false, ..header });
+    if header.energy_preserving { preserve_energy(pack, reference) } else { pack }
+}
+
+/// Assembles a pack with the paper's scaling coefficient.
+fn plain(coefficients: &Table, slices: &[u32], header: Header) -> WaveletPack {
     let quantised = quantise(coefficients, slices, &header);
     let mut index = vec![0u16; header.cells()];
     for (slice, k) in (1..).zip(slices) {
