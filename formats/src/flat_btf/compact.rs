@@ -4,53 +4,19 @@
 use super::MAX_HEIGHT;
 use super::factored::Place;
 use super::layout::{check_image, half_pair_bytes, half_pairs, rounded_pairs, word};
-use super::vdim::VdimHeader;
+use super::vdim_header::{COMPACT, VDIM_PART, VdimHeader};
 use crate::FormatError;
 use crate::container::entries::{entry, sized};
-use crate::container::{Extent, TexelFormat, Texture};
+use crate::container::{TexelFormat, Texture};
 use crate::cursor::Cursor;
 
-/// Key that identifies compact samples.
-pub(crate) const COMPACT: &str = "brdfc.flat-btf.compact";
 const VERSION: u32 = 1;
 const BYTES: usize = 16;
 /// Names of the parts in errors.
 const RANGES_PART: &str = "ranges";
 const HEIGHTS_PART: &str = "heights";
-/// Maximum tangent of a polar angle in [`VdimHeader::growth`].
-const MAX_TANGENT: f32 = 8.0;
-/// Number that is added to the tangent.
-const TANGENT_BIAS: f32 = 0.25;
 /// Step of a byte.
 const UNIT: f32 = 1.0 / 255.0;
-
-impl VdimHeader {
-    /// Maximum tangent of the polar angle of a view, at which displacements stop to grow.
-    pub fn largest_tangent(&self) -> f32 {
-        let tangent = f64::from(self.largest_angle).tan() as f32;
-        if tangent > 0.0 { tangent.min(MAX_TANGENT) } else { MAX_TANGENT }
-    }
-
-    /// Divisor of the displacements of sample `k`: displacements grow with the tangent of the polar angle.
-    pub fn growth(&self, k: u32) -> f64 {
-        let tangent = self.view_angles(k, 0)[0].tan();
-        let most = f64::from(self.largest_tangent());
-        f64::from(TANGENT_BIAS) + if (0.0..most).contains(&tangent) { tangent } else { most }
-    }
-
-    /// [`Self::growth`] of any view.
-    fn growth_towards(&self, [x, y, z]: [f32; 3]) -> f32 {
-        let most = self.largest_tangent();
-        let tangent = if z > 0.0 { ((x * x + y * y).sqrt() / z).min(most) } else { most };
-        tangent + TANGENT_BIAS
-    }
-
-    /// Extent of the ranges: minima and extents of each block.
-    pub(super) fn ranges_extent(&self) -> Extent {
-        let blocks = self.size / self.block;
-        Extent::D2Array([blocks, blocks, 2])
-    }
-}
 
 /// Compact samples of a map of blocks, on all its levels.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +44,7 @@ impl CompactSamples {
         }
         for (part, found, extent) in [
             (RANGES_PART, self.ranges.len(), header.ranges_extent()),
-            ("vdim", self.packed.len(), header.packed_extent()),
+            (VDIM_PART, self.packed.len(), header.packed_extent()),
             (HEIGHTS_PART, self.heights.len(), header.reference_extent()),
         ] {
             header.check_length(part, found, extent)?;

@@ -7,7 +7,8 @@ use super::layers::{LAYERS, LayerMap};
 use super::relief::{FlatBtfParts, Relief};
 use super::shader::{BASIS, DIRECTIONS, DISPLACEMENTS, HEIGHTS, INDIRECTION, REFERENCE, RESIDUAL, SHADOWS, TABLES};
 use super::shadows::ShadowMap;
-use super::vdim::{VDIM, Vdim};
+use super::vdim::Vdim;
+use super::vdim_header::VDIM;
 use crate::FormatError;
 use crate::bindings::{Bindings, PackFile};
 

@@ -19,6 +19,7 @@ mod relief;
 pub mod shader;
 mod shadows;
 mod vdim;
+mod vdim_header;
 mod view_weights;
 
 pub use compact::CompactSamples;
@@ -31,5 +32,6 @@ pub use layout::MAX_DISPLACEMENT;
 pub use march::{MAX_SLOPE, MacroSurface, MarchSteps, ReliefPoint};
 pub use relief::{FlatBtfParts, Relief};
 pub use shadows::ShadowMap;
-pub use vdim::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, SeenPoint, Vdim, VdimHeader, VdimSamples};
+pub use vdim::{SeenPoint, Vdim, VdimSamples};
+pub use vdim_header::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, VdimHeader};
 pub use view_weights::{BlendedDirection, ViewWeights};

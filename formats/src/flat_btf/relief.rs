@@ -3,7 +3,8 @@
 use super::factored::FactoredFlatBtf;
 use super::layers::LayerMap;
 use super::shadows::ShadowMap;
-use super::vdim::{VDIM, Vdim};
+use super::vdim::Vdim;
+use super::vdim_header::VDIM;
 use crate::FormatError;
 
 /// Relief of a flat BTF: what leads from a point of the reference plane to the parameters of the visible point, and to its

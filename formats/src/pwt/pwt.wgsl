@@ -218,11 +218,12 @@ fn pwt_sample(index: u32, layer: u32, at: vec2<f32>, own: f32) -> vec4<f32> {
     }
     let finer = u32(own);
     let blend = own - f32(finer);
-    let fine = pwt_filtered(index, layer, at, finer);
-    if blend > 0.0 {
-        return fine + blend * (pwt_filtered(index, layer, at, finer + 1u) - fine);
+    // A loop, as some compilers of WebGL take minutes if the filter is called twice.
+    var levels: array<vec4<f32>, 2>;
+    for (var k = 0u; k < select(1u, 2u, blend > 0.0); k++) {
+        levels[k] = pwt_filtered(index, layer, at, finer + k);
     }
-    return fine;
+    return levels[0] + blend * (levels[1] - levels[0]);
 }
 
 // A level, filtered along columns first.

@@ -190,7 +190,8 @@ fn the_uniform_block_of_flat_btfs_is_the_one_that_rust_writes() {
     assert_eq!(base[..24], *[8, 1, 4, sight, refine, both].map(u32::to_le_bytes).as_flattened());
     // An indirection map, with shadows of five lights.
     let map = FlatBtfParameters::to_bytes(&vdim_file().decoder);
-    let words = [8, 0, 4, 0, 0, 0, 0, 0, 1.0f32.to_bits(), 4, 5, 1.25f32.to_bits(), 5, 0, 0, 0];
+    let [finer, angle, tangent] = [1.0, 1.25, 1.25f64.tan() as f32].map(f32::to_bits);
+    let words = [8, 0, 4, 0, 0, 0, 0, 0, finer, 4, 5, angle, 5, 0, tangent, 0];
     assert_eq!(map, *words.map(u32::to_le_bytes).as_flattened());
 }
 

@@ -51,7 +51,7 @@ pub(super) fn factored(
     Ok(BtfRow { held_out_texels_delta_e: Some(f64::from(made.facts.errors.seen_mean)), ..row })
 }
 
-/// Factors some views of a BTF at the fitted lights.
+/// Factors some views of a BTF at the fitted lights. Fewer bytes than those of the smallest asset give that asset.
 ///
 /// # Errors
 /// Returns an error for a size or directions that a flat BTF cannot have.
@@ -84,6 +84,9 @@ pub(super) fn factors(
     };
     let seen = mask(views)?;
     let lit = mask(&lights.fitted)?;
+    let is_too_small = matches!(target, FactoredTarget::Bytes(_)) && target.check(&header(0)).is_err();
+    let smallest = FactoredTarget::Components { components: 1, residual: 1 };
+    let target = if is_too_small { smallest } else { target };
     let made = factor(&FactoredRecipe::new(target), &asset.normals, &seen, Some(&lit), view, &());
     made.map_err(|error| match error {
         FactorError::View(error) | FactorError::Format(error) => error,
