@@ -58,13 +58,13 @@ class _WaveletPack(TypedDict):
     bias: float
     """ε."""
     index: NDArray[np.uint16]
-    """(4^N,): the slice of each coefficient, 0 if it has none."""
+    """(4^N,), or (4^N + N,) if the pack is energy-preserving: the slice of each coefficient, 0 if it has none."""
     scales: NDArray[np.float32]
     """(slices, 2): scale and offset."""
     texels: Union[NDArray[np.uint8], NDArray[np.uint16]]
     """(slices, rows, columns, 1 or 4): the largest integer represents 1."""
-    lift: Union[NDArray[np.float32], None]
-    """(4^N,): weight of the lower half in the pair of each coefficient. Only for energy-preserving packs."""
+    energy_preserving: bool
+    """True if level l < N has a scaling coefficient of its own, 4^N + l."""
 
 @final
 class Material:

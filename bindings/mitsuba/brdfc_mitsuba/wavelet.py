@@ -1,4 +1,4 @@
-"""Wavelet packs: the twin of `formats/src/wavelet/decode.rs` and `lift.rs`, whose functions have the same names."""
+"""Wavelet packs: the twin of `formats/src/wavelet/decode.rs`, whose functions have the same names."""
 
 import drjit as dr
 import mitsuba as mi
@@ -7,16 +7,6 @@ import numpy as np
 from .arithmetic import PI, Buffer, from_log, polynomial_atan2, safe_direction
 
 SQRT_2 = np.sqrt(np.float32(2.0)).item()
-
-
-def rise(h, lower):
-    """Difference between the logarithm of the mean of two halves and the mean of their logarithms: ln(s exp(h) + (1 - s) exp(-h)).
-
-    Halves are `h` above and below it, and the lower one counts `lower` of both.
-    """
-    size, upper = dr.abs(h), 1.0 - lower
-    brighter, darker = dr.select(h < 0.0, upper, lower), dr.select(h < 0.0, lower, upper)
-    return size + dr.log(brighter + darker * dr.exp(-2.0 * size))
 
 
 class WaveletDecoder:
@@ -40,7 +30,7 @@ class WaveletDecoder:
         coefficients = offset[:, None, None, None] + scale[:, None, None, None] * unorm
         self.coefficients = Buffer(coefficients.reshape(-1, 3))
         self.index = Buffer(pack["index"].astype(np.uint32))
-        self.lift = None if pack["lift"] is None else Buffer(pack["lift"])
+        self.energy_preserving = pack["energy_preserving"]
 
     def eval(self, i, o, active=True):
         """f_r in 1/sr, linear RGB, of unit vectors to the light and to the viewer; 0 at and below the horizon."""
@@ -55,22 +45,16 @@ class WaveletDecoder:
         log_value = mi.Color3f(0.0)
         for row, row_weight in rows:
             for column, column_weight in columns:
-                log_value += row_weight * column_weight * self.filtered(outer, column, row)
-        return log_value
-
-    def filtered(self, outer, column, row):
-        """One inner cell, filtered over outer cells; for energy-preserving packs, each cell is reconstructed separately."""
-        if self.lift is None:
-            return self.reconstruct(outer, column, row)
-        log_value = mi.Color3f(0.0)
-        for cell, weight in outer:
-            log_value += weight * self.reconstruct([(cell, 1.0)], column, row)
+                log_value += row_weight * column_weight * self.reconstruct(outer, column, row)
         return log_value
 
     def reconstruct(self, outer, column, row):
         """Synthesis along one path of the tree."""
         levels = self.levels
-        value = self.coefficient(0, outer) * 2.0**-levels
+        scaling = self.coefficient(self.scaling(self.whole), outer)
+        if self.last > self.whole:
+            scaling += self.fraction * (self.coefficient(self.scaling(self.last), outer) - scaling)
+        value = scaling * 2.0**-levels
         for j in range(self.last):
             child_column, child_row = column >> (levels - j - 1), row >> (levels - j - 1)
             parent_column, parent_row = child_column >> 1, child_row >> 1
@@ -79,13 +63,14 @@ class WaveletDecoder:
             longitude = 2 * side * side + child_row * side + parent_column
             part = self.fraction if j == self.whole else 1.0
             weight = part * 2.0 ** (j - levels)
-            # Difference between the lower halves and the mean.
             a = weight * self.coefficient(latitude, outer)
             b = weight * SQRT_2 * self.coefficient(longitude, outer)
             value += dr.select((child_row & 1) == 0, a, -a) + dr.select((child_column & 1) == 0, b, -b)
-            if self.lift is not None:
-                value -= rise(a, self.lift[latitude]) + rise(b, self.lift[longitude])
         return value
+
+    def scaling(self, level):
+        """The scaling coefficient of a level."""
+        return (1 << (2 * self.levels)) + level if self.energy_preserving and level < self.levels else 0
 
     def coefficient(self, coefficient, outer):
         """A coefficient at the outer direction, through the index map; slice 0 is all zero."""

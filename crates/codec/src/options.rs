@@ -77,10 +77,10 @@ pub struct EncodeOptions {
     /// table) or visible (smallest visible error: grazing angles and dark values count less; use with --bias 0.0003).
     #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
     pub ranking: Option<String>,
-    /// Wavelet: energy-preserving. Coarser levels of detail and omitted slices do not darken renderings, because means
-    /// are taken over reflectances, not over logarithms.
+    /// Wavelet: levels of detail as in the paper, with a single scaling coefficient. They are smaller by one slice per
+    /// level, but coarser levels and omitted slices darken renderings.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
-    pub energy_preserving: Option<bool>,
+    pub plain_levels: Option<bool>,
     /// Wavelet: smooth the table by moving least squares first, for noisy dense data. Scans are always smoothed.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub smooth: Option<bool>,
@@ -156,7 +156,7 @@ impl EncodeOptions {
             bits,
             bias,
             ranking,
-            energy_preserving,
+            plain_levels,
             smooth,
             max_fit_error: _,
             trust_fit: _,
@@ -167,7 +167,7 @@ impl EncodeOptions {
             ("bits", bits.is_some()),
             ("parameterisation", parameterisation.is_some()),
             ("ranking", ranking.is_some()),
-            ("energy_preserving", *energy_preserving == Some(true)),
+            ("plain_levels", *plain_levels == Some(true)),
             ("smooth", *smooth == Some(true)),
             ("max_delta_e", max_delta_e.is_some()),
             ("min_highlight", min_highlight.is_some()),
@@ -195,7 +195,7 @@ impl EncodeOptions {
                 }
             };
         }
-        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking energy_preserving smooth)
+        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking plain_levels smooth)
     }
 
     /// Fills open options from `defaults`. All limits come from `self`, or all from `defaults`.
@@ -211,7 +211,7 @@ impl EncodeOptions {
             };
         }
         over!(
-            codec min_highlight reciprocal levels grid parameterisation bits bias ranking energy_preserving smooth max_fit_error trust_fit;
+            codec min_highlight reciprocal levels grid parameterisation bits bias ranking plain_levels smooth max_fit_error trust_fit;
             ratio max_delta_e max_error max_bytes max_fetches
         )
     }

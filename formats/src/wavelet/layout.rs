@@ -39,7 +39,11 @@ impl WaveletPack {
                 Binding::frame(),
                 Binding::uniform(5, "wavelet_brdf_parameters", parameters),
                 Binding::texture(6, "wavelet_brdf_slices", slices.of_file().sampled(SAMPLER)),
-                Binding::texture(7, INDEX, Texels::new(TexelFormat::Rgba32Float, Extent::D2(self.header.index_extent()), index)),
+                Binding::texture(
+                    7,
+                    INDEX,
+                    Texels::new(TexelFormat::Rgba32Float, Extent::D2(self.header.index_extent()), index),
+                ),
                 Binding::sampler(8, SAMPLER, false),
             ],
         )

@@ -98,13 +98,18 @@ fn unfit_outputs_are_refused_at_once() {
 #[test]
 fn energy_preserving_packs_are_marked() {
     let folder = Folder::new();
-    let report = encode(&folder, "synth:ggx?alpha=0.3", &["--grid", "8", "--energy-preserving"]);
-    assert_eq!(
-        (&report["codec"]["wavelet"]["energy_preserving"], report["fetches"].as_u64()),
-        (&true.into(), Some(16 * 13))
-    );
-    let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
-    assert!(info.contains("3, stored up to 3, energy-preserving"), "{info}");
+    let mut bytes = Vec::new();
+    for (more, is_preserving) in [(&[][..], true), (&["--plain-levels"], false)] {
+        let report = encode(&folder, "synth:ggx?alpha=0.3", &[&["--codec", "wavelet", "--grid", "8"], more].concat());
+        let wavelet = &report["codec"]["wavelet"];
+        // At the finest level, both have the same fetches.
+        assert_eq!((&wavelet["energy_preserving"], report["fetches"].as_u64()), (&is_preserving.into(), Some(4 * 13)));
+        let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
+        assert_eq!(info.contains("3, stored up to 3, energy-preserving"), is_preserving, "{info}");
+        bytes.push(report["bytes_on_gpu"].as_u64().unwrap());
+    }
+    // A slice of 64 texels for each coarser level, and a row of the index map.
+    assert_eq!(bytes[0] - bytes[1], 3 * 64 + 8 * 16);
 }
 
 /// Repairs and the cost of averaging are reported.
@@ -265,9 +270,9 @@ fn budgets_that_say_nothing_are_refused() {
         ),
         (
             "synth:lewis",
-            &["--codec", "table", "--energy-preserving"],
+            &["--codec", "table", "--plain-levels"],
             2,
-            "--energy-preserving: does not apply to the codec table; use the codec wavelet",
+            "--plain-levels: does not apply to the codec table; use the codec wavelet",
         ),
         ("synth:lewis", &["--codec", "max_error"], 2, "--codec: found \"max_error\", expected auto, table, factored"),
         (

@@ -37,7 +37,7 @@ pub struct WaveletReport {
     pub stored_levels: u32,
     /// Bits per component.
     pub bits: u32,
-    /// True if coarser levels and omitted slices are energy-preserving.
+    /// True if each level of detail has a scaling coefficient that preserves energy.
     pub energy_preserving: bool,
     /// True if the table was smoothed.
     pub smoothed: bool,
@@ -167,12 +167,13 @@ impl Encode for Recipe {
             "parameterisation",
             "bias",
             "ranking",
-            "energy_preserving",
+            "plain_levels",
             "smooth",
         ],
     }];
 
-    /// Slices are ranked by visible error if the codec is named, otherwise by energy.
+    /// Slices are ranked by visible error if the codec is named, otherwise by energy. Levels of detail are
+    /// energy-preserving unless the plain ones of the paper are requested.
     fn from_options(_: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
         let mut recipe = if options.codec.is_some() { Self::visible() } else { Self::default() };
         if let Some(grid) = options.grid {
@@ -199,7 +200,7 @@ impl Encode for Recipe {
             };
             recipe.ranking = *ranking;
         }
-        recipe.energy_preserving = options.energy_preserving.unwrap_or(recipe.energy_preserving);
+        recipe.energy_preserving = options.plain_levels != Some(true);
         recipe.smooth = options.smooth.unwrap_or(recipe.smooth);
         recipe.bias = options.bias()?.unwrap_or(recipe.bias);
         recipe.target = target(options)?.unwrap_or(recipe.target);

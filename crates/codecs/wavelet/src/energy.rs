@@ -50,7 +50,7 @@ pub fn preserve_energy(pack: WaveletPack, reference: &Table) -> WaveletPack {
 
 /// Scaling coefficients of the levels of one image, the coarsest first: `values` are its logarithms without a correction,
 /// `light` is `A / μ`.
-fn scaling_coefficients(values: &[f32], weights: &[f64], light: f64, bias: f64) -> Vec<f32> {
+pub fn scaling_coefficients(values: &[f32], weights: &[f64], light: f64, bias: f64) -> Vec<f32> {
     let n = values.len().isqrt();
     let whole: f64 = weights.iter().sum();
     let target = (light + bias * whole).ln();

@@ -21,9 +21,11 @@ pub fn quantise(coefficients: &Table, chosen: &[u32], header: &Header) -> Quanti
     let transposed = Transposed::new(coefficients);
     let mut texels = vec![0u8; (chosen.len() + 1) * slice_bytes];
     let mut scales = vec![SliceScale::default(); chosen.len() + 1];
-    texels[slice_bytes..].par_chunks_mut(slice_bytes).zip(scales[1..].par_iter_mut()).zip(chosen).for_each(
-        |((texels, scale), k)| *scale = quantise_slice(&transposed.slice(*k as usize), header, texels),
-    );
+    texels[slice_bytes..]
+        .par_chunks_mut(slice_bytes)
+        .zip(scales[1..].par_iter_mut())
+        .zip(chosen)
+        .for_each(|((texels, scale), k)| *scale = quantise_slice(&transposed.slice(*k as usize), header, texels));
     Quantised { scales, texels }
 }
 

@@ -51,7 +51,8 @@ pub struct Recipe {
     pub bias: f64,
     /// True if the table is smoothed.
     pub smooth: bool,
-    /// True if coarser levels of detail and dropped slices are energy-preserving; tangent-pole only.
+    /// True for a scaling coefficient of each level of detail that preserves energy; tangent-pole only. False for a single
+    /// one, as in the paper.
     pub energy_preserving: bool,
     /// Target that decides the number of slices.
     pub target: Target,

@@ -23,9 +23,13 @@ fn resolved(own: &str, defaults: &str) -> PackRecipe {
 fn the_codec_follows_from_the_options() {
     assert_eq!(resolved("", ""), PackRecipe::default());
     let PackRecipe::Wavelet(paper) = resolved("ratio = 4", "") else { panic!("a wavelet pack") };
-    assert_eq!(paper, Recipe::default());
+    assert_eq!(paper, Recipe { energy_preserving: true, ..Recipe::default() });
     let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
-    assert_eq!(named, Recipe::visible());
+    assert_eq!(named, Recipe { energy_preserving: true, ..Recipe::visible() });
+    let PackRecipe::Wavelet(plain) = resolved("codec = 'wavelet'\nplain_levels = true", "") else {
+        panic!("a wavelet pack")
+    };
+    assert_eq!(plain, Recipe::visible());
     for wavelet in ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'"] {
         assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
     }
@@ -135,7 +139,7 @@ fn options_win_over_defaults_of_other_codecs() {
         ("codec = 'table'", "codec = 'wavelet'\nratio = 8", "codec = 'table'"),
         ("codec = 'auto'", "grid = 16", "codec = 'auto'"),
         ("grid = 16", "reciprocal = true", "grid = 16"),
-        ("max_delta_e = 1.0", "energy_preserving = true", "max_delta_e = 1.0"),
+        ("max_delta_e = 1.0", "plain_levels = true", "max_delta_e = 1.0"),
         ("", "codec = 'wavelet'\ngrid = 16", "codec = 'wavelet'\ngrid = 16"),
         ("codec = 'jpeg'", "grid = 16", "codec = 'jpeg'\ngrid = 16"),
     ] {
@@ -148,7 +152,7 @@ fn options_win_over_defaults_of_other_codecs() {
 fn codecs_have_the_options_that_there_are() {
     let all = keys(
         "max_delta_e = 1\nmin_highlight = 0.5\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
-         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nenergy_preserving = true\nsmooth = true",
+         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nplain_levels = true\nsmooth = true",
     );
     let mut given: Vec<&str> = all.given().collect();
     let mut of_codecs: Vec<&str> = Choice::all().flat_map(|asked| asked.variant.options).copied().collect();

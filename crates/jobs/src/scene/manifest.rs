@@ -240,7 +240,7 @@ fn all_keys() -> Vec<Key> {
 fn option_key(name: &'static str) -> Key {
     let shape = match name {
         "codec" | "parameterisation" | "ranking" => Shape::Text,
-        "reciprocal" | "energy_preserving" | "smooth" | "trust_fit" => Shape::Truth,
+        "reciprocal" | "plain_levels" | "smooth" | "trust_fit" => Shape::Truth,
         "min_highlight" | "max_error" | "max_fit_error" => Shape::Share,
         "max_bytes" => Shape::Bytes,
         "max_fetches" | "levels" | "grid" | "bits" => Shape::WholeNumber,

@@ -51,11 +51,15 @@ pub fn pack(header: Header, retained: usize, seed: u64) -> WaveletPack {
             index[coefficient] = next as u16;
         }
     }
-    let slices = next + 1;
+    let coarser = next + 1;
+    index.extend((coarser..coarser + header.coarser_scalings()).map(|slice| slice as u16));
+    let slices = coarser + header.coarser_scalings();
     let scales = (0..slices)
         .map(|slice| match slice {
             0 => SliceScale::default(),
-            1 => SliceScale { scale: (2.5 * header.grid() as f64) as f32, offset: -2.0 },
+            slice if slice == 1 || slice >= coarser => {
+                SliceScale { scale: (2.5 * header.grid() as f64) as f32, offset: -2.0 }
+            }
             _ => {
                 let half = numbers.between(0.05, 1.0);
                 SliceScale { scale: 2.0 * half as f32, offset: numbers.between(-1.2, -0.8) as f32 * half as f32 }
@@ -197,8 +201,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     queries.iter_mut().for_each(|[_, b, _]| b[3] = 1.0);
     let floor = pack.header.mean * pack.header.bias;
     // A sampler filters slices even if the nearest inner cell is used.
-    let nearest = filter == Filter::Nearest && !pack.header.energy_preserving;
-    let on_cpu = if nearest { Filter::Slices } else { filter };
+    let on_cpu = if filter == Filter::Nearest { Filter::Slices } else { filter };
     let answer = |(pair, [a, ..]): (&DirectionPair, &Query)| {
         let value = decoder.eval(*pair, a[3], on_cpu);
         (of_logarithm(bound(&decoder, *pair, a[3], on_cpu), value, floor), (four(value, 0.0), floor))
@@ -206,7 +209,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     let (allowed, expected) = pairs.iter().zip(&queries).map(answer).unzip();
     let (bindings, files) = (pack.bindings().into_owned(), Vec::new());
     let frame = FrameBlock { blend: filter, ..SAMPLED };
-    let (name, is_filtered) = (format!("{name}, {filter:?}"), !pack.header.energy_preserving && pack.extent()[0] > 1);
+    let (name, is_filtered) = (format!("{name}, {filter:?}"), pack.extent()[0] > 1);
     let case = Case { name, decoder: PackKind::Wavelet, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }

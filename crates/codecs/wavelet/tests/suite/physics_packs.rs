@@ -210,7 +210,7 @@ fn largest_coefficient_error(model: &dyn Source, reference_bias: f64) -> f64 {
     let n = grid.n();
     let (table, _) = resample(model, grid);
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
-    let coefficients = haar::transform(&log_encode(&table, encoding), false);
+    let coefficients = haar::transform(&log_encode(&table, encoding));
 
     let centre = |cell: usize| cell_centre(cell % n, cell / n, n);
     let f = |outer: usize, inner: usize| value(model, DirectionPair::new(centre(outer), centre(inner)))[0];
@@ -241,7 +241,7 @@ fn single_precision_costs_less_than_a_step_of_16_bits() {
 #[test]
 fn the_transform_divides_by_the_square_root_of_two() {
     let mut coefficients = [0.0; 4];
-    haar::forward(&[1.0, 0.0, 0.0, 0.0], 2, &haar::Plain, &mut coefficients, &mut Vec::new());
+    haar::forward(&[1.0, 0.0, 0.0, 0.0], 2, &mut coefficients, &mut Vec::new());
     for (found, expected) in coefficients.into_iter().zip([0.5, 0.5, FRAC_1_SQRT_2, 0.0]) {
         assert!((found - expected).abs() < 1e-15, "{coefficients:?}");
     }
