@@ -330,7 +330,7 @@ const CHANGES: [(usize, &str, &str); 29] = [
     (0, "uv - floor(uv), pwt.repeats == 1u", "uv - floor(uv), pwt.repeats == 2u"),
     (0, "f32(pwt.levels - base)", "f32(pwt.levels)"),
     (0, "let blend = own - f32(finer);", "let blend = 0.0;"),
-    (0, "pwt_filtered(index, layer, at, finer + 1u)", "pwt_filtered(index, layer, at, finer)"),
+    (0, "pwt_filtered(index, layer, at, finer + k)", "pwt_filtered(index, layer, at, finer)"),
     (0, "vec2<f32>(side) - 0.5", "vec2<f32>(side) - 0.4999"),
     (0, "let d = pwt_load(index, layer, last, level);", "let d = c;"),
     (0, "((texel % side) + side) % side", "clamp(texel, vec2<i32>(0), side - 1)"),
