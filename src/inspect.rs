@@ -19,6 +19,7 @@ pub use brdfc_source::ptm::{self, PtmFacts, open_ptm};
 pub use brdfc_source::rti::{self, RtiFacts, open_rti};
 pub use brdfc_source::rti_capture::{self, RtiCapture, RtiCaptureFacts, is_rti_capture};
 pub use brdfc_source::scan::is_scan;
+pub use brdfc_source::smooth::is_table;
 
 use crate::{Error, FormatError, Input, InputError};
 use brdfc_jobs::pack_files::pack_files;

@@ -47,7 +47,7 @@ pub mod verify;
 pub mod view;
 
 pub use brdfc_core::progress::{Cancelled, Progress, Stage};
-pub use brdfc_core::{Source, Tally};
+pub use brdfc_core::{Smooth, Source, Tally};
 pub use brdfc_formats::direction::DirectionPair;
 pub use brdfc_formats::{Brdf, BrdfPack, FormatError};
 pub use brdfc_jobs::build::Build;

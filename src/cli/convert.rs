@@ -1,7 +1,7 @@
 //! `brdfc convert`: writes a source in a file format of other programs.
 
 use super::output::{json_or, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
-use super::reading::ReadingOptions;
+use super::reading::{ReadingOptions, open_read};
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         if is_map { error.with_message(text) } else { error }
     })?;
     let (kind, target) = target(arguments)?;
-    let material = arguments.reading.open(&arguments.input)?;
+    let material = open_read(&arguments.input, arguments.reading)?;
     let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
         ConvertError::Format(error) => match [("grid", &arguments.grid), ("dimensions", &arguments.dimensions)] {

@@ -4,7 +4,7 @@ use super::encode_lobes;
 use super::options::{PackOptions, by_flags};
 use super::output::{json_or, note, output_parser, print_report, refuse_unfit_output};
 use super::progress::{Materials, label};
-use super::reading::ReadingOptions;
+use super::reading::{ReadingOptions, open_read};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codecs, remarks};
@@ -75,7 +75,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
     let named = |error: Error| by_flags(error).prefixed(&arguments.input);
-    let material = arguments.reading.open(&arguments.input).map_err(|error| of_folder(&arguments.input, error))?;
+    let material =
+        open_read(&arguments.input, arguments.reading).map_err(|error| of_folder(&arguments.input, error))?;
     let pack = material.encode_closest(request, &clock).map_err(named)?;
     clock.stage(Stage::Write, 1)?;
     pack.write(&arguments.output)?;

@@ -4,6 +4,7 @@ use super::encode::Arguments;
 use super::options::{by_flags, first_key, flag_of};
 use super::output::{json_or, note_repairs, print_report, write_file};
 use super::progress::{Materials, label};
+use super::reading::open_read;
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{StageClock, StageTime};
@@ -64,7 +65,7 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
-    let material = arguments.reading.open(&arguments.input)?;
+    let material = open_read(&arguments.input, arguments.reading)?;
     let encoded = encode(material.source(), &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let best = encoded.best();

@@ -2,10 +2,10 @@
 
 use super::inputs::refuse_stdin_twice;
 use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
-use super::reading::ReadingOptions;
+use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
-use brdfc::Input;
 use brdfc::evaluate::{Relightable, check_level, delimiter, open_level, pairs_from_csv, texels_from_bytes, values_at};
+use brdfc::{Input, Reading};
 use brdfc_terminal::words::format_number;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ const COLOURS: [&str; 3] = ["r", "g", "b"];
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     check_level(arguments.lod).map_err(as_flag)?;
-    let reading = arguments.reading.reading(arguments.lod, &[&arguments.input])?;
+    let reading = checked(Reading { level: arguments.lod, ..arguments.reading.into() }, &[&arguments.input])?;
     let directions = &arguments.directions;
     refuse_stdin_twice(&[("INPUT", Some(&arguments.input)), ("--directions", Some(directions))])?;
     if let Some(output) = &arguments.output {

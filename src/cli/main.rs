@@ -156,7 +156,7 @@ fn pack_delta_e(argument: clap::Arg) -> clap::Arg {
 }
 
 fn main() -> ExitCode {
-    run_program("brdfc", command(), |cli: &Cli| &cli.flags, run)
+    run_program("brdfc", command(), reading::with_values(std::env::args_os()), |cli: &Cli| &cli.flags, run)
 }
 
 fn run(cli: Cli, common: Common) -> Result<(), Error> {

@@ -17,11 +17,10 @@ pub fn label(path: &Path) -> String {
 }
 
 /// Stages in order, with their approximate share of a pack's time for a scattered scan, in per cent.
-const SHARES: [(Stage, u64); 15] = [
+const SHARES: [(Stage, u64); 14] = [
     (Stage::Read, 2),
     (Stage::Resample, 70),
     (Stage::LogEncode, 1),
-    (Stage::Smooth, 2),
     (Stage::Haar, 1),
     (Stage::Threshold, 10),
     (Stage::Quantise, 2),

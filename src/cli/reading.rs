@@ -1,39 +1,84 @@
-//! Flags that determine how a scan is read.
+//! Settings of reading inputs on the command line.
 
 use super::Error;
-use brdfc::inspect::is_scan;
-use brdfc::{Input, Material, Reading, open_with};
+use brdfc::inspect::{is_scan, is_table};
+use brdfc::{Input, Material, Reading, Smooth, open_with};
+use brdfc_terminal::values::any_whole_number;
 use clap::Args;
+use std::ffi::OsString;
 
-/// Settings of reading scans.
+/// Settings of reading scans and tables.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ReadingOptions {
-    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out rows,
-    /// which 'brdfc info' prints).
-    #[arg(long, value_name = "N")]
+    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs (default: chosen by left-out
+    /// rows, which 'brdfc info' prints).
+    #[arg(long, value_name = "N", value_parser = any_whole_number::<usize>(Reading::NEIGHBOURS))]
     neighbours: Option<usize>,
+    /// Tables and scans with noise: smooth the values by moving least squares. Without RADIUS, left-out values choose
+    /// the strength, and 'brdfc info' prints it with the estimated noise. RADIUS is 2 to 16 cells of a table on each
+    /// side of a fit; scans have --neighbours instead. Scans of 5 % noise or more are smoothed anyway, unless RADIUS is
+    /// false.
+    #[arg(
+        long,
+        value_name = "RADIUS",
+        num_args = 0..=1,
+        default_missing_value = "true",
+        allow_negative_numbers = true
+    )]
+    smooth: Option<Smooth>,
 }
 
-impl ReadingOptions {
-    /// Opens a material.
-    pub fn open(self, input: &Input) -> Result<Material, Error> {
-        open_with(input, self.reading(None, &[input])?)
+impl From<ReadingOptions> for Reading {
+    fn from(ReadingOptions { neighbours, smooth }: ReadingOptions) -> Self {
+        Self { level: None, neighbours, smooth }
     }
+}
 
-    /// Settings of reading inputs, with a level of detail of packs. Rejects flags without effect, if none of the inputs is
-    /// a scan.
-    pub fn reading(self, level: Option<f32>, inputs: &[&Input]) -> Result<Reading, Error> {
-        let Some(neighbours) = self.neighbours else { return Ok(level.into()) };
-        if neighbours == 0 {
-            let expected = "1 to the number of distinct direction pairs of the scan";
-            return Err(Error::wrong_usage("--neighbours", neighbours, expected));
-        }
+/// Opens a material with the settings.
+pub fn open_read(input: &Input, reading: ReadingOptions) -> Result<Material, Error> {
+    Ok(open_with(input, checked(reading, &[input])?)?)
+}
+
+/// Checks the settings. Rejects flags that apply to none of the inputs.
+pub fn checked(reading: impl Into<Reading>, inputs: &[&Input]) -> Result<Reading, Error> {
+    let reading = reading.into();
+    reading.check().map_err(|error| Error::wrong_usage(&format!("--{}", error.field), error.found, error.allowed))?;
+    let (smooth, radius) = (reading.smooth.is_some(), matches!(reading.smooth, Some(Smooth::Radius(_))));
+    let flags = [
+        ("--neighbours", reading.neighbours.is_some(), [true, false], "scans"),
+        ("--smooth with a radius", radius, [false, true], "MERL and RGL tables; use --neighbours for scans"),
+        ("--smooth", smooth && !radius, [true, true], "scans, and MERL and RGL tables"),
+    ];
+    for (flag, _, [scans, tables], allowed) in flags.into_iter().filter(|(_, is_given, ..)| *is_given) {
+        let mut applies = false;
         for input in inputs {
-            if is_scan(input)? {
-                return Ok(Reading { level, neighbours: Some(neighbours) });
-            }
+            applies |= scans && is_scan(input)? || tables && is_table(input)?;
         }
-        let inputs: Vec<String> = inputs.iter().map(|input| input.short_name()).collect();
-        Err(Error::usage(format!("--neighbours does not apply to {}, only to scans", inputs.join(" and "))))
+        if !applies {
+            let names: Vec<String> = inputs.iter().map(|input| input.short_name()).collect();
+            return Err(Error::usage(format!("{flag} does not apply to {}, only to {allowed}", names.join(" and "))));
+        }
     }
+    Ok(reading)
+}
+
+/// Flag of the first setting that is given.
+#[cfg(feature = "render")]
+pub fn first_flag(reading: ReadingOptions) -> Option<&'static str> {
+    let smooth = reading.smooth.map(|_| "--smooth");
+    reading.neighbours.map(|_| "--neighbours").or(smooth)
+}
+
+/// Arguments with `--smooth=true` for a `--smooth` that no value follows: the next argument may be an input.
+pub fn with_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = arguments.collect();
+    let is_value =
+        |text: &OsString| text.to_str().is_some_and(|t| t.parse::<f64>().is_ok() || t.parse::<bool>().is_ok());
+    let end = arguments.iter().position(|argument| argument == "--").unwrap_or(arguments.len());
+    for at in 0..end {
+        if arguments[at] == "--smooth" && !arguments.get(at + 1).is_some_and(is_value) {
+            arguments[at] = "--smooth=true".into();
+        }
+    }
+    arguments
 }

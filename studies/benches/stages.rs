@@ -24,7 +24,6 @@ use brdfc_wavelet::measure::grid_error;
 use brdfc_wavelet::quantise::quantise;
 use brdfc_wavelet::recipe::{Recipe, Target};
 use brdfc_wavelet::resample::resample;
-use brdfc_wavelet::smooth::smooth;
 use brdfc_wavelet::table::{Grid, Table};
 use brdfc_wavelet::threshold::{keep, ranking, slice_energies};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -127,7 +126,6 @@ fn encoding(criterion: &mut Criterion) {
     let selected = keep(&order, s.pack.retained());
     let mut group = criterion.benchmark_group("encode");
     group.bench_function("log", |b| b.iter(|| log_encode(black_box(&s.table), s.encoding)));
-    group.bench_function("smooth", |b| b.iter(|| smooth(black_box(&s.logarithms))));
     group.bench_function("haar", |b| b.iter(|| haar::transform(black_box(&s.logarithms))));
     group.bench_function("slice energies and ranking", |b| {
         b.iter(|| ranking(&slice_energies(black_box(&s.coefficients)), GRID.levels))

@@ -61,7 +61,7 @@ pub enum Study {
     /// Packs compared with zfp, SZ3, BC6H and BC7, and a fitted GGX: bytes, times, errors. Takes minutes. With --out:
     /// codecs.svg.
     Codecs,
-    /// Run time and error: sweeps codecs, sizes, grids, bits and smoothing, and prints the Pareto fronts. Takes minutes
+    /// Run time and error: sweeps codecs, sizes, grids and bits, and prints the Pareto fronts. Takes minutes
     /// for each material. With --out: pareto.svg.
     Pareto,
     /// Section 6.3, figure 10: a terrain with and without levels of detail, time per level, flicker.

@@ -81,9 +81,6 @@ pub struct EncodeOptions {
     /// level, but coarser levels and omitted slices darken renderings.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub plain_levels: Option<bool>,
-    /// Wavelet: smooth the table by moving least squares first, for noisy dense data. Scans are always smoothed.
-    #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
-    pub smooth: Option<bool>,
     /// Scans: maximum ε_r of held-out rows, and of held-out incidences, against the fit to the other rows: a fraction
     /// or a percentage, 0.1 or 10%. Sources without a fit pass.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
@@ -157,7 +154,6 @@ impl EncodeOptions {
             bias,
             ranking,
             plain_levels,
-            smooth,
             max_fit_error: _,
             trust_fit: _,
         } = self;
@@ -168,7 +164,6 @@ impl EncodeOptions {
             ("parameterisation", parameterisation.is_some()),
             ("ranking", ranking.is_some()),
             ("plain_levels", *plain_levels == Some(true)),
-            ("smooth", *smooth == Some(true)),
             ("max_delta_e", max_delta_e.is_some()),
             ("min_highlight", min_highlight.is_some()),
             ("max_fetches", max_fetches.is_some()),
@@ -195,7 +190,7 @@ impl EncodeOptions {
                 }
             };
         }
-        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking plain_levels smooth)
+        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking plain_levels)
     }
 
     /// Fills open options from `defaults`. All limits come from `self`, or all from `defaults`.
@@ -211,7 +206,7 @@ impl EncodeOptions {
             };
         }
         over!(
-            codec min_highlight reciprocal levels grid parameterisation bits bias ranking plain_levels smooth max_fit_error trust_fit;
+            codec min_highlight reciprocal levels grid parameterisation bits bias ranking plain_levels max_fit_error trust_fit;
             ratio max_delta_e max_error max_bytes max_fetches
         )
     }

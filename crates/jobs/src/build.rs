@@ -17,6 +17,7 @@ use crate::scene::watch::named_in;
 use crate::scene::works::Work;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::counted;
+use brdfc_source::Reading;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,7 @@ pub struct Build {
     /// Input folders, and folders of patterns, where a new file may be a material.
     folders: Vec<PathBuf>,
     options: EncodeOptions,
+    reading: Reading,
     settings: BuildSettings,
 }
 
@@ -58,6 +60,7 @@ impl Build {
             left_out: Vec::new(),
             folders: folders(&named_in(path).unwrap_or_default()),
             options: EncodeOptions::default(),
+            reading: Reading::default(),
             settings: BuildSettings::new(Self::DEFAULT_FOLDER),
         })
     }
@@ -77,6 +80,7 @@ impl Build {
             left_out: found.others,
             folders: folders(&named),
             options: EncodeOptions::default(),
+            reading: Reading::default(),
             settings: BuildSettings::new(Self::DEFAULT_FOLDER),
         })
     }
@@ -96,6 +100,12 @@ impl Build {
     #[must_use]
     pub fn options(self, options: EncodeOptions) -> Self {
         Self { options, ..self }
+    }
+
+    /// Sets the settings of reading materials that have none of their own.
+    #[must_use]
+    pub fn reading(self, reading: Reading) -> Self {
+        Self { reading, ..self }
     }
 
     /// Lights materials without a manifest by an environment: a latitude-longitude image, a cube map or a prefiltered
@@ -188,6 +198,7 @@ impl Build {
     /// Returns an error if options are out of range or incompatible, or if there is nothing to build.
     pub fn plan(&self) -> Result<Plan, Error> {
         let mut manifest = self.manifest.clone();
+        manifest.defaults.reading = self.reading.over(manifest.defaults.reading);
         manifest.defaults.options = options_over(&self.options, &manifest.defaults.options);
         let folder = self.manifest().and_then(Path::parent).unwrap_or(Path::new(""));
         let mut plan = plan(&manifest, folder)?;

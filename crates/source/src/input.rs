@@ -6,6 +6,7 @@ use super::read::{
     MAX_FILE_BYTES, ObservedFile, ReadListener, check_length, extension_of, open_observed, read_all_text, read_file,
     read_text, read_within, up_to_nul,
 };
+use brdfc_core::Smooth;
 use brdfc_core::address::is_synth;
 use brdfc_formats::FormatError;
 use brdfc_readers::recognise::{START_BYTES, recognise};
@@ -146,18 +147,61 @@ fn within<'a>(path: &Path, bytes: &'a [u8], limit: u64) -> Result<&'a [u8], Inpu
     Ok(bytes)
 }
 
-/// Settings of reading an input.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// Settings of reading an input. All but the level are keys of a manifest.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Reading {
     /// Level of detail of packs; `None` is the finest. Other inputs have none.
+    #[serde(skip)]
     pub level: Option<f32>,
-    /// Number of neighbours of a fit to a scan; `None` chooses it by left-out rows. Other inputs have none.
+    /// Scans: number of neighbours of a fit, 1 to the number of distinct direction pairs; `None` chooses it by left-out
+    /// rows.
     pub neighbours: Option<usize>,
+    /// Smoothing of dense tables and scans; `None` smooths scans of 5 % noise or more.
+    pub smooth: Option<Smooth>,
+}
+
+impl Reading {
+    /// Description of valid numbers of neighbours, for messages.
+    pub const NEIGHBOURS: &str = "1 to the number of distinct direction pairs of the scan";
+
+    /// Fills open settings from `defaults`.
+    #[must_use]
+    pub fn over(self, defaults: Self) -> Self {
+        Self {
+            level: self.level.or(defaults.level),
+            neighbours: self.neighbours.or(defaults.neighbours),
+            smooth: self.smooth.or(defaults.smooth),
+        }
+    }
+
+    /// Checks the number of neighbours and the radius.
+    ///
+    /// # Errors
+    /// Returns an error for values that are out of range for any input. Scans also limit the number of neighbours.
+    pub fn check(self) -> Result<(), FormatError> {
+        match self {
+            Self { neighbours: Some(0), .. } => Err(FormatError::whole("neighbours", "0", Self::NEIGHBOURS)),
+            Self { smooth: Some(Smooth::Radius(radius)), .. } if !Smooth::RADII.contains(&radius) => {
+                Err(FormatError::whole("smooth", radius.to_string(), Smooth::ALLOWED))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Smoothing of a dense table, if it is requested, with its radius, if any.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::check`].
+    pub(crate) fn smoothing(self) -> Result<Option<Option<usize>>, FormatError> {
+        self.check()?;
+        Ok(self.smooth.and_then(Smooth::strength))
+    }
 }
 
 impl From<Option<f32>> for Reading {
     fn from(level: Option<f32>) -> Self {
-        Self { level, neighbours: None }
+        Self { level, ..Self::default() }
     }
 }
 

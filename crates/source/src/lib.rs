@@ -25,6 +25,7 @@ pub mod rti;
 pub mod rti_capture;
 pub mod scan;
 pub mod simulate;
+pub mod smooth;
 pub mod tile_image;
 pub mod ubo_btf;
 pub mod viewer_file;

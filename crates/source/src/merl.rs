@@ -4,6 +4,7 @@ use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
 use super::read::{MAX_FILE_BYTES, check_length};
+use super::smooth::{Axis, Grid, Smoothed, smooth};
 use brdfc_core::Describe;
 use brdfc_core::half_difference::HalfDifference;
 use brdfc_core::pair_list::PairBlock;
@@ -24,17 +25,22 @@ pub struct MerlFacts {
     pub valid_cells: usize,
     /// Cells without a measurement.
     pub invalid_cells: usize,
+    /// Smoothing, if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothed: Option<Smoothed>,
 }
 
 impl Describe for MerlFacts {
     fn lines(&self) -> Vec<(&'static str, String)> {
-        let Self { dimensions: [h, d, p], valid_cells, invalid_cells } = self;
-        vec![
+        let Self { dimensions: [h, d, p], valid_cells, invalid_cells, smoothed } = self;
+        let mut lines = vec![
             ("kind", "MERL table".to_owned()),
             ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
             ("azimuths cover", if *p == 4 * d { "a full turn" } else { "half a turn" }.to_owned()),
             ("valid cells", format!("{valid_cells} of {}", valid_cells + invalid_cells)),
-        ]
+        ];
+        lines.extend(smoothed.iter().flat_map(Smoothed::lines));
+        lines
     }
 
     fn samples(&self) -> u64 {
@@ -48,19 +54,21 @@ pub(crate) const fn format<F: From<MerlFacts>>() -> Format<F> {
 }
 
 fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, InputError> {
+    let smoothing = input.reading.smoothing().map_err(|error| InputError::format(input.path, error))?;
     check_length(input.length, MAX_FILE_BYTES).map_err(|error| InputError::format(input.path, error))?;
-    let table = match Merl::read(&mut input.file, input.length) {
+    let mut table = match Merl::read(&mut input.file, input.length) {
         Ok(table) => table,
         Err(MerlError::Format(error)) => return Err(input.wrong(error)),
         Err(MerlError::Io(error)) => return Err(InputError::io(input.path, error)),
     };
+    let n = table.dimensions;
+    // Along θ_h and θ_d the table ends; azimuths start again.
+    let shape = [n.theta_half, n.theta_difference, n.phi_difference];
+    let grid = Grid { shape, axes: [Axis::Open, Axis::Open, Axis::Periodic] };
+    let smoothed = smoothing.map(|radius| smooth(&mut table.values, grid, radius));
     let source = MerlSource::new(table);
-    let (n, valid_cells) = (source.table().dimensions, source.table().valid_cells);
-    let facts = MerlFacts {
-        dimensions: [n.theta_half, n.theta_difference, n.phi_difference],
-        valid_cells,
-        invalid_cells: n.cells() - valid_cells,
-    };
+    let valid_cells = source.table().valid_cells;
+    let facts = MerlFacts { dimensions: shape, valid_cells, invalid_cells: n.cells() - valid_cells, smoothed };
     Ok(Opened { source: Box::new(source), facts: facts.into() })
 }
 

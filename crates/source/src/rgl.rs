@@ -15,6 +15,7 @@ use brdfc_readers::rgl::{Azimuths, Colour, KIND, Map, Rgl};
 use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
+use super::smooth::{Axis, Grid, Smoothed, smooth};
 use brdfc_core::Describe;
 use brdfc_core::words::counted;
 use brdfc_core::{Source, Symmetry, Tally};
@@ -39,18 +40,23 @@ pub struct RglFacts {
     pub resolution: [usize; 2],
     /// Number of colour channels or wavelengths in the file.
     pub channels: usize,
+    /// Smoothing, if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothed: Option<Smoothed>,
 }
 
 impl Describe for RglFacts {
     fn lines(&self) -> Vec<(&'static str, String)> {
-        let Self { description, azimuths, polar_angles, resolution: [rows, columns], channels } = self;
-        vec![
+        let Self { description, azimuths, polar_angles, resolution: [rows, columns], channels, smoothed } = self;
+        let mut lines = vec![
             ("kind", "RGL material".to_owned()),
             ("description", description.clone()),
             ("incoming directions", format!("{azimuths} azimuths x {polar_angles} polar angles")),
             ("outgoing directions of each", format!("{rows} x {columns}")),
             ("channels", if *channels == 3 { "RGB".to_owned() } else { counted(*channels, "wavelength") }),
-        ]
+        ];
+        lines.extend(smoothed.iter().flat_map(Smoothed::lines));
+        lines
     }
 
     fn samples(&self) -> u64 {
@@ -64,16 +70,21 @@ pub(crate) const fn format<F: From<RglFacts>>() -> Format<F> {
 }
 
 fn open<F: From<RglFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
+    let reading = input.reading;
     input.parse(|bytes| {
+        let smoothing = reading.smoothing()?;
         let rgl = Rgl::from_bytes(bytes)?;
+        let (description, channels) = (rgl.description.clone(), rgl.channels());
+        let mut source = RglSource::new(rgl, rgb_weights)?;
         let facts = RglFacts {
-            description: rgl.description.clone(),
-            azimuths: rgl.phi_i.len(),
-            polar_angles: rgl.theta_i.len(),
-            resolution: [rgl.colour_rows, rgl.colour_columns],
-            channels: rgl.channels(),
+            description,
+            azimuths: source.phi_i.len(),
+            polar_angles: source.theta_i.len(),
+            resolution: [source.colour_rows, source.colour_columns],
+            channels,
+            smoothed: smoothing.map(|radius| source.smooth(radius)),
         };
-        Ok(Opened { source: Box::new(RglSource::new(rgl, rgb_weights)?), facts: facts.into() })
+        Ok(Opened { source: Box::new(source), facts: facts.into() })
     })
 }
 
@@ -141,6 +152,13 @@ impl RglSource {
             symmetry,
             grey,
         })
+    }
+
+    /// Smooths the colours of each incidence. Incidences are few and far apart, so that fits do not reach across them.
+    fn smooth(&mut self, radius: Option<usize>) -> Smoothed {
+        let [incidences, rows] = [self.phi_i.len() * self.theta_i.len(), self.colour_rows];
+        let shape = [incidences, rows, self.colour_columns];
+        smooth(&mut self.colours, Grid { shape, axes: [Axis::Separate, Axis::Open, Axis::Open] }, radius)
     }
 
     /// Maps `pair` by the symmetries of the material to an equivalent pair whose incident direction was measured.

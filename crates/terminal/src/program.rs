@@ -2,6 +2,7 @@
 
 use super::{Common, Error, ErrorKind, Flags, output, usage};
 use clap::FromArgMatches;
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
@@ -20,10 +21,11 @@ pub fn without_renderer() -> Error {
 pub fn run_program<A: FromArgMatches>(
     name: &str,
     command: clap::Command,
+    words: impl IntoIterator<Item = OsString>,
     flags: impl FnOnce(&A) -> &Flags,
     work: impl FnOnce(A, Common) -> Result<(), Error>,
 ) -> ExitCode {
-    let parsed = command.try_get_matches().and_then(|matches| A::from_arg_matches(&matches));
+    let parsed = command.try_get_matches_from(words).and_then(|matches| A::from_arg_matches(&matches));
     let arguments = match parsed {
         Ok(arguments) => arguments,
         Err(error) => {

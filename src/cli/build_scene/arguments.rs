@@ -1,6 +1,7 @@
 //! Flags of `brdfc build`.
 
 use crate::output::{make_folder, refuse_own, write_file};
+use crate::reading::ReadingOptions;
 use brdfc::scene::Shard;
 use brdfc::{Build, EncodeOptions, Error};
 use brdfc_terminal::values::bytes_from_text;
@@ -104,12 +105,14 @@ pub(crate) struct BuildArguments {
     /// (default: 300MiB per thread). The build works on fewer materials at a time to stay below it.
     #[arg(long, value_name = "B", value_parser = memory_from_text)]
     memory: Option<u64>,
+    #[command(flatten, next_help_heading = "Reading of materials")]
+    reading: ReadingOptions,
 }
 
 impl BuildArguments {
     /// Makes the build from these arguments, with defaults for everything else.
     pub(crate) fn build(&self, options: &EncodeOptions) -> Result<Build, Error> {
-        let build = Build::from_inputs(&self.inputs)?.options(options.clone());
+        let build = Build::from_inputs(&self.inputs)?.options(options.clone()).reading(self.reading.into());
         let build = build.out(&self.out).keep(self.keep).force(self.force);
         Ok(match self.memory {
             Some(bytes) => build.memory(bytes),

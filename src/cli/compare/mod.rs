@@ -5,7 +5,7 @@ mod flat;
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{json_or, note, print, refuse_flags, remark};
-use super::reading::ReadingOptions;
+use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
@@ -131,7 +131,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let inputs =
         [("A", Some(&arguments.a)), ("B", Some(&arguments.b)), ("--directions", arguments.directions.as_ref())];
     refuse_stdin_twice(&inputs)?;
-    let reading = arguments.reading.reading(None, &[&arguments.a, &arguments.b])?;
+    let reading = checked(arguments.reading, &[&arguments.a, &arguments.b])?;
     let kind = Kind::of(&arguments.a)?;
     if let (Kind::RtiCapture, Some(stack)) = (kind, arguments.a.path()) {
         return photographs(arguments, stack, common);

@@ -5,7 +5,7 @@ mod files;
 pub use files::FilesReport;
 
 use super::output::{json_or, print, print_json, printable};
-use super::reading::ReadingOptions;
+use super::reading::{ReadingOptions, checked};
 use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
@@ -107,7 +107,7 @@ pub struct SurfaceReport {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let input = &arguments.input;
-    let reading = arguments.reading.reading(None, &[input])?;
+    let reading = checked(arguments.reading, &[input])?;
     if arguments.files {
         let file = input.path().map(flat_btf_file).transpose()?.flatten();
         return files::run(&file.map_or_else(|| input.clone(), Input::File), common);

@@ -2,6 +2,7 @@
 
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
+use crate::reading::ReadingOptions;
 use brdfc::Input;
 use brdfc::render::{Builtin, Filter};
 use brdfc::scene::MAX_SAMPLES;
@@ -26,6 +27,7 @@ Examples:
   brdfc render red.ktx2 -o red.png --scene cloth
   brdfc render red.ktx2 --source red-plastic.binary -o red.exr
   brdfc render red-plastic.binary --ratio 16 --sheet red.png      encodes the material first
+  brdfc render noisy.binary --smooth --sheet noisy.png
   brdfc render paint.brdf --scene cloth --max-delta-e 1.3 --json  exit code 1 if missed
   brdfc render button --scene vase -o vase.png                    a flat BTF
   brdfc render button --scene plane --sheet plane.png             compared with the surface
@@ -120,6 +122,8 @@ pub struct Arguments {
     pub(super) adaptive: AdaptiveOptions,
     #[command(flatten, next_help_heading = "Encoding of materials")]
     pub(super) options: PackOptions,
+    #[command(flatten, next_help_heading = "Reading of materials")]
+    pub(super) reading: ReadingOptions,
 }
 
 const SCENES: [(&str, Builtin, &str); 10] = [

@@ -3,6 +3,7 @@
 use super::arguments::Arguments;
 use super::materials::{Subject, pack_flag};
 use super::{flat, lobes};
+use crate::reading::first_flag;
 use crate::{Error, output};
 use brdfc::Input;
 use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_rti_capture, open_pack};
@@ -110,12 +111,14 @@ pub(super) fn refuse_flags(arguments: &Arguments, asset: &Asset) -> Result<(), E
     let is_flat = matches!(asset.kind, AssetKind::Flat);
     let (of_brdfs, of_both) = ("BRDFs", "BRDFs and packs of RTI captures");
     let option = arguments.options.first().map(pack_flag);
+    let read = first_flag(arguments.reading);
     let flags = [
         (arguments.packs.is_some(), "--packs", of_brdfs),
         (arguments.table, "--table", of_brdfs),
         (arguments.lod.is_some(), "--lod", of_brdfs),
         (arguments.filter.is_some(), "--filter", of_brdfs),
         (option.is_some(), option.as_deref().unwrap_or_default(), of_brdfs),
+        (read.is_some(), read.unwrap_or_default(), of_brdfs),
         (arguments.contact.is_some(), "--contact", of_brdfs),
         (arguments.adaptive.adaptive, "--adaptive", of_brdfs),
         (is_flat && arguments.source.is_some(), "--source", of_both),

@@ -6,6 +6,7 @@ use super::light::{Light, Lit, fitted};
 use super::materials::{Subject, pack_flag};
 use super::{gpu, outputs, scene};
 use crate::output;
+use crate::reading::open_read;
 use crate::{Common, Error};
 use brdfc::lobes::{LobesPack, LobesRecipe};
 use brdfc::render::{Verification, Views};
@@ -24,11 +25,12 @@ pub(super) fn verification(
     let light = Light::of(arguments, subject, &mut setup.scene, common)?;
     // Without a pack for point lights, mirrors would take light away and reflect none.
     setup.scene.parts.iter_mut().for_each(|part| part.surface.mirror = 0.0);
+    let read = |input: &Input| open_read(input, arguments.reading);
     let (pack, source) = match (pack, &arguments.source) {
-        (Some(pack), source) => (pack, source.as_ref().map(brdfc::open).transpose()?),
+        (Some(pack), source) => (pack, source.as_ref().map(read).transpose()?),
         // The input is a material, and its own reference.
         (None, None) => {
-            let material = brdfc::open(input)?;
+            let material = read(input)?;
             (fitted(input, material.source(), &LobesRecipe::default(), common)?, Some(material))
         }
         (None, Some(_)) => {

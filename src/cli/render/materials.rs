@@ -4,6 +4,7 @@ use super::arguments::Arguments;
 use super::light::{Lit, fitted};
 use crate::options::flag_of;
 use crate::output::{note, refuse_flags, remark};
+use crate::reading::{checked, first_flag};
 use crate::{Common, Error};
 use brdfc::encode::encode;
 use brdfc::encode::encoders::wavelet::recipe::Target;
@@ -11,7 +12,7 @@ use brdfc::inspect::{AnyPack as Pack, PackKind, open};
 use brdfc::lobes::LobesPack;
 use brdfc::render::{Material, open_brdf_pack};
 use brdfc::scene::{EnvironmentJob, Job, LOBES, Manifest, PackFolder, Use, part_name, plan, read_manifest};
-use brdfc::{BrdfPack, FitLimits, PackRecipe, Source, WaveletRecipe as Recipe};
+use brdfc::{BrdfPack, FitLimits, Input, PackRecipe, Source, WaveletRecipe as Recipe};
 use std::path::{Path, PathBuf};
 
 /// Finest grid with slices that all fit into a 3D texture.
@@ -115,10 +116,13 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     let (is_scene, is_pack) = (kind == "toml", kind == "ktx2");
     let of_encoded = "inputs that are encoded (a scene sets them in its manifest)";
     let option = arguments.options.first().map(pack_flag);
+    let read = first_flag(arguments.reading);
     let flags = [
         (!is_scene && arguments.packs.is_some(), "--packs", "manifests"),
         (!is_pack && arguments.source.is_some(), "--source", "packs"),
         ((is_pack || is_scene) && option.is_some(), option.as_deref().unwrap_or_default(), of_encoded),
+        (is_scene && read.is_some(), read.unwrap_or_default(), of_encoded),
+        (is_pack && arguments.source.is_none() && read.is_some(), read.unwrap_or_default(), "packs with a --source"),
         (is_pack && arguments.table && arguments.source.is_none(), "--table", "packs with a --source"),
     ];
     refuse_flags(input, &flags)?;
@@ -245,15 +249,16 @@ fn prepare_one(
     name: &str,
     common: Common,
 ) -> Result<(Prepared, Vec<String>), Error> {
-    let (input, recipe) = match subject {
-        Subject::Pack => (arguments.source.clone(), PackRecipe::default()),
-        Subject::Source(recipe) => (Some(arguments.input.clone()), (**recipe).clone()),
+    let read = |input: &Input| Ok::<_, Error>(open(input, checked(arguments.reading, &[input])?)?);
+    let (opened, recipe) = match subject {
+        Subject::Pack => (arguments.source.as_ref().map(read).transpose()?, PackRecipe::default()),
+        Subject::Source(recipe) => (Some(read(&arguments.input)?), (**recipe).clone()),
         Subject::Scene { jobs, .. } => {
             let job = job_of(jobs, name);
-            (Some(job.input.clone()), job.recipe.clone())
+            (Some(open(&job.input, job.reading)?), job.recipe.clone())
         }
     };
-    let source = input.map(|input| open(&input, None)).transpose()?.map(|opened| opened.source);
+    let source = opened.map(|opened| opened.source);
     if arguments.table && !matches!((subject, recipe.kind()), (Subject::Pack, _) | (_, PackKind::Wavelet)) {
         return Err(no_table(recipe.kind()));
     }
@@ -313,7 +318,7 @@ fn prepare_one(
                 stored_levels: levels,
                 target: Target::Ratio(1.0),
                 bits: 16,
-                ..bias_and_smoothing(&recipe)
+                ..bias_of(&recipe)
             };
             Some(encode(source.as_ref(), &PackRecipe::Wavelet(whole).without_measuring(), &())?.pack)
         }
@@ -332,8 +337,8 @@ fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
     jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest")
 }
 
-/// Recipe of a whole table with the bias and smoothing of the pack.
-fn bias_and_smoothing(recipe: &PackRecipe) -> Recipe {
+/// Recipe of a whole table with the bias of the pack.
+fn bias_of(recipe: &PackRecipe) -> Recipe {
     match recipe {
         PackRecipe::Wavelet(recipe) => recipe.clone(),
         _ => Recipe::default(),

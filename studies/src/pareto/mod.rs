@@ -1,4 +1,4 @@
-//! Run time and error of codecs, sizes, bits and smoothing over materials, and their Pareto fronts.
+//! Run time and error of codecs, sizes and bits over materials, and their Pareto fronts.
 
 mod drawing;
 mod settings;

@@ -29,8 +29,6 @@ pub struct WaveletSetting {
     pub visible: bool,
     /// True if levels of detail and discarded slices are energy-preserving.
     pub energy_preserving: bool,
-    /// True if the table is smoothed first.
-    pub smoothed: bool,
 }
 
 impl WaveletSetting {
@@ -43,7 +41,6 @@ impl WaveletSetting {
             bits: recipe.bits,
             visible: recipe.ranking == Ranking::Visible,
             energy_preserving: recipe.energy_preserving,
-            smoothed: recipe.smooth,
         })
     }
 }
@@ -53,10 +50,7 @@ impl std::fmt::Display for WaveletSetting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { grid, ratio, bits, .. } = self;
         write!(f, "{grid}², {ratio}:1, {bits} bits, {}", if self.visible { "visible" } else { "energy" })?;
-        for (asked, name) in [(self.energy_preserving, ", energy-preserving"), (self.smoothed, ", smoothed")] {
-            f.write_str(if asked { name } else { "" })?;
-        }
-        Ok(())
+        f.write_str(if self.energy_preserving { ", energy-preserving" } else { "" })
     }
 }
 
@@ -69,32 +63,25 @@ pub fn settings(small: bool) -> Vec<PackRecipe> {
     let mut all: Vec<PackRecipe> =
         [false, true].into_iter().flat_map(|factored| sizes.iter().map(move |kib| table(factored, *kib))).collect();
     let (levels, ratios) = if small { (&LEVELS[..1], &RATIOS[1..2]) } else { (&LEVELS[..], &RATIOS[..]) };
-    let others = [(false, false), (true, true), (true, false), (false, true)];
     for levels in levels {
         for ranking in [Ranking::Visible, Ranking::Energy] {
-            for (lift, smooth) in others.into_iter().take(if small { 2 } else { 4 }) {
-                all.extend(wavelets(*levels, ratios, ranking, lift, smooth));
+            for lift in [false, true] {
+                all.extend(wavelets(*levels, ratios, ranking, lift));
             }
         }
     }
     if !small {
-        all.extend(wavelets(FINEST, ratios, Ranking::Visible, false, false));
+        all.extend(wavelets(FINEST, ratios, Ranking::Visible, false));
     }
     all
 }
 
-fn wavelets(
-    levels: u32,
-    ratios: &[f64],
-    ranking: Ranking,
-    lift: bool,
-    smooth: bool,
-) -> impl Iterator<Item = PackRecipe> {
+fn wavelets(levels: u32, ratios: &[f64], ranking: Ranking, lift: bool) -> impl Iterator<Item = PackRecipe> {
     let of_ranking = match ranking {
         Ranking::Visible => Recipe::visible(),
         Ranking::Energy => Recipe::default(),
     };
-    let recipe = Recipe { levels, stored_levels: levels, energy_preserving: lift, smooth, ..of_ranking };
+    let recipe = Recipe { levels, stored_levels: levels, energy_preserving: lift, ..of_ranking };
     let each = ratios.iter().flat_map(|ratio| BITS.map(|bits| (Target::Ratio(*ratio), bits)));
     each.map(move |(target, bits)| PackRecipe::Wavelet(Recipe { target, bits, ..recipe.clone() }))
 }
@@ -114,7 +101,7 @@ mod tests {
     #[test]
     fn settings_are_distinct() {
         let all = settings(false);
-        assert_eq!(all.len(), 2 * 8 + 3 * 2 * 4 * 6 + 6);
+        assert_eq!(all.len(), 2 * 8 + 3 * 2 * 2 * 6 + 6);
         assert!((1..all.len()).all(|k| !all[..k].contains(&all[k])));
         assert!(settings(true).iter().all(|recipe| all.contains(recipe)));
         let PackRecipe::Wavelet(last) = &all[all.len() - 1] else { panic!("{all:?}") };

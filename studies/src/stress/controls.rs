@@ -96,10 +96,9 @@ pub const CONTROLS: [Control; 37] = [
         s.daubechies = |image, _| image.iter().rev().copied().collect()
     }),
     control(transforms::rows, "smoothing, f32", "values 1e-5 too large", |s| {
-        s.smooth = |table| {
-            let mut smoothed = (Stages::default().smooth)(table);
-            smoothed.values.iter_mut().for_each(|v| *v *= 1.0 + 1e-5);
-            smoothed
+        s.smooth = |values, grid, radius| {
+            values.iter_mut().flatten().for_each(|v| *v *= 1.0 + 1e-5);
+            (Stages::default().smooth)(values, grid, radius)
         };
     }),
     control(texels::rows, "threshold", "ties by number from the end", |s| {

@@ -12,6 +12,7 @@ use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
 use brdfc_jobs::encode::EncodeError;
 use brdfc_source::ScanSource;
 use brdfc_source::scan::fit;
+use brdfc_source::smooth::{Grid, Smoothed, smooth};
 use brdfc_table::encode::Prepared;
 use brdfc_table::lattice::Equations;
 use brdfc_table::recipe::TableRecipe;
@@ -21,7 +22,6 @@ use brdfc_wavelet::haar::forward;
 use brdfc_wavelet::log_encode::{LogEncoding, log_encode};
 use brdfc_wavelet::quantise::{Quantised, quantise};
 use brdfc_wavelet::recipe::Recipe;
-use brdfc_wavelet::smooth::smooth;
 use brdfc_wavelet::table::Table;
 use brdfc_wavelet::threshold::{keep, ranking, slice_energies};
 
@@ -51,8 +51,8 @@ pub struct Stages {
     pub log_encode: fn(&Table, LogEncoding) -> Table,
     /// Log decoding of one value.
     pub from_log: fn(&WaveletDecoder, f32) -> f32,
-    /// Smoothing of a table.
-    pub smooth: fn(&Table) -> Table,
+    /// Smoothing of a table with a radius.
+    pub smooth: fn(&mut [[f32; 3]], Grid, Option<usize>) -> Smoothed,
     /// Haar analysis of a square image of this side.
     pub haar: fn(&[f32], usize) -> Vec<f32>,
     /// Haar synthesis.

@@ -1,10 +1,10 @@
 //! Wavelet transforms compared with sums in f64, forward and inverse.
 
-use super::fed::{Filling, Numbers, levels, table};
+use super::fed::{Filling, Numbers, levels};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
-use brdfc_core::Symmetry;
 use brdfc_formats::wavelet::haar::detail_indices;
+use brdfc_source::smooth::{Axis, Grid};
 
 fn norm(samples: &[f32]) -> f64 {
     // Below it, numbers of f32 have fewer digits.
@@ -128,25 +128,32 @@ fn daubechies_there_and_back(stages: &Stages, samples: &[f32], n: usize, norm: f
 /// Squares along each axis are preserved, since the fit has their degree.
 fn smooth(stages: &Stages, small: bool) -> StressRow {
     let mut worst = Worst::default();
-    for levels in 2..=if small { 3 } else { 4 } {
-        let n = 1usize << levels;
-        for scale in [1e-12, 1.0, 1e6] {
-            let value = |k: usize| {
-                let at = |shift: u32| ((k >> shift) % n) as f64 / n as f64;
-                scale * (1.0 + at(0) - 2.0 * at(levels) * at(2 * levels) + (at(3 * levels) * at(0)).powi(2))
-            };
-            let samples: Vec<f32> = (0..n.pow(4)).map(|k| value(k) as f32).collect();
-            let table = table(levels, Symmetry::NONE, &samples);
-            let largest = samples.iter().fold(0.0f64, |m, v| m.max(f64::from(v.abs())));
-            for (found, exact) in (stages.smooth)(&table).values.iter().zip(&samples) {
-                worst.add(f64::from(found - exact) / largest);
+    let shape = if small { [6, 5, 8] } else { [12, 10, 16] };
+    let [_, rows, columns] = shape;
+    let logarithm = |cell: usize| {
+        let [a, b, c] = [cell / columns / rows, cell / columns % rows, cell % columns].map(|at| at as f64 / 16.0);
+        a - 2.0 * b * b + (c * a).powi(2)
+    };
+    let exact: Vec<f64> = (0..shape.iter().product()).map(|cell| logarithm(cell).exp()).collect();
+    let mut sorted = exact.clone();
+    sorted.sort_by(f64::total_cmp);
+    // The logarithms of values with this bias are the polynomial: the bias of smoothing is 0.05 times their median.
+    let bias = 0.05 / 1.05 * sorted[sorted.len() / 2];
+    for first in [Axis::Open, Axis::Separate] {
+        let grid = Grid { shape, axes: [first, Axis::Open, Axis::Open] };
+        for (scale, radius) in [1e-12, 1.0, 1e6].into_iter().zip([2, 5, 16]) {
+            let samples: Vec<[f32; 3]> = exact.iter().map(|value| [(scale * (value - bias)) as f32; 3]).collect();
+            let mut found = samples.clone();
+            (stages.smooth)(&mut found, grid, Some(radius));
+            for (found, exact) in found.iter().flatten().zip(samples.iter().flatten()) {
+                worst.add(f64::from(found / exact) - 1.0);
             }
         }
     }
     worst.row(
-        ["smoothing, f32", "polynomials of its degree times 1e-12 to 1e6, up to the border"],
+        ["smoothing, f32", "logarithms that are polynomials of its degree, of values times 1e-12 to 1e6, up to the border"],
         Measure::Relative,
         64.0 * U,
-        "four passes that preserve them, each with about 5 roundings, and weights with magnitudes that add up to 1.3; relative to the largest value",
+        "sums of rounded values with weights whose magnitudes add up to a few at a border, and one rounding of the result",
     )
 }

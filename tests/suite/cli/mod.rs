@@ -36,6 +36,7 @@ mod report;
 mod samples;
 mod schemas;
 mod shader;
+mod smoothing;
 mod synth;
 mod tables;
 mod verify;

@@ -39,8 +39,6 @@ pub struct WaveletReport {
     pub bits: u32,
     /// True if each level of detail has a scaling coefficient that preserves energy.
     pub energy_preserving: bool,
-    /// True if the table was smoothed.
-    pub smoothed: bool,
     /// Number of retained slices, without the zero slice.
     pub slices_retained: usize,
     /// Number of wavelet coefficients, and of slices at 1:1.
@@ -168,7 +166,6 @@ impl Encode for Recipe {
             "bias",
             "ranking",
             "plain_levels",
-            "smooth",
         ],
     }];
 
@@ -201,7 +198,6 @@ impl Encode for Recipe {
             recipe.ranking = *ranking;
         }
         recipe.energy_preserving = options.plain_levels != Some(true);
-        recipe.smooth = options.smooth.unwrap_or(recipe.smooth);
         recipe.bias = options.bias()?.unwrap_or(recipe.bias);
         recipe.target = target(options)?.unwrap_or(recipe.target);
         Ok(recipe)
@@ -226,7 +222,6 @@ impl Encode for Recipe {
             stored_levels: header.stored_levels,
             bits: header.bits,
             energy_preserving: header.energy_preserving,
-            smoothed: self.smooth,
             slices_retained,
             slices_in_all: header.cells(),
             ratio: header.cells() as f64 / slices_retained as f64,

@@ -2,11 +2,10 @@
 
 use super::crop::{crop, needed_coefficients, window};
 use super::energy::preserve_energy;
-use super::log_encode::{LogEncoding, log_decode, log_encode};
+use super::log_encode::{LogEncoding, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
 use super::recipe::{Ranking, Recipe, Target};
-use super::smooth::smooth;
 use super::table::Table;
 use super::tabulated::Tabulated;
 use super::visible::visible_energies;
@@ -20,7 +19,6 @@ use brdfc_formats::crop::{DirectionRange, Window};
 use brdfc_formats::wavelet::{Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
-use std::borrow::Cow;
 
 /// A pack with the measurements of its encoding.
 #[derive(Debug, Clone)]
@@ -84,13 +82,7 @@ pub fn encode_tabulated(
 
     start(Stage::LogEncode)?;
     let encoding = LogEncoding::of(table, recipe.bias);
-    let mut logarithms = log_encode(table, encoding);
-    let mut reference = Cow::Borrowed(table);
-    if recipe.smooth {
-        start(Stage::Smooth)?;
-        logarithms = smooth(&logarithms);
-        reference = Cow::Owned(log_decode(&logarithms, encoding));
-    }
+    let logarithms = log_encode(table, encoding);
 
     start(Stage::Haar)?;
     let coefficients = haar::transform(&logarithms);
@@ -99,7 +91,7 @@ pub fn encode_tabulated(
     start(Stage::Threshold)?;
     let energies = match recipe.ranking {
         Ranking::Energy => threshold::slice_energies(&coefficients),
-        Ranking::Visible => visible_energies(&coefficients, &reference, encoding),
+        Ranking::Visible => visible_energies(&coefficients, table, encoding),
     };
     let ranking = threshold::ranking(&energies, recipe.stored_levels);
     let header = Header {
@@ -113,15 +105,14 @@ pub fn encode_tabulated(
         energy_preserving: recipe.energy_preserving,
     };
     let needs = Needs::new(&header, recipe);
-    let slices = choose(&coefficients, &reference, &ranking, header, &needs, recipe.target)?;
+    let slices = choose(&coefficients, table, &ranking, header, &needs, recipe.target)?;
 
     start(Stage::Quantise)?;
-    let mut pack = assemble(&coefficients, &reference, &slices, header);
+    let mut pack = assemble(&coefficients, table, &slices, header);
     drop(coefficients);
 
     start(Stage::MeasureOnGrid)?;
-    let on_grid = grid_error(&reference, &WaveletDecoder::new(&pack), recipe.directions);
-    drop(reference);
+    let on_grid = grid_error(table, &WaveletDecoder::new(&pack), recipe.directions);
 
     let whole = pack.gpu_bytes();
     pack = crop(pack, recipe.directions);

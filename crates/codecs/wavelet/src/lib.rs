@@ -1,4 +1,4 @@
-//! Encoder of wavelet BRDF packs: resample, smooth, log-encode, transform, threshold, quantise. Each stage has a file;
+//! Encoder of wavelet BRDF packs: resample, log-encode, transform, threshold, quantise. Each stage has a file;
 //! [`encode`] runs them in order. Paper: Claustres, Barthe, Paulin, "Wavelet Encoding of BRDFs for Real-Time
 //! Rendering", Graphics Interface 2007.
 
@@ -14,7 +14,6 @@ pub mod measure;
 pub mod quantise;
 pub mod recipe;
 pub mod resample;
-pub mod smooth;
 pub mod table;
 pub mod tabulated;
 pub mod threshold;

@@ -44,11 +44,6 @@ pub fn log_encode(table: &Table, encoding: LogEncoding) -> Table {
     map(table, |f| vector_math::ln(f * scale + bias))
 }
 
-/// Inverse of [`log_encode`]. Values that rounding or smoothing made negative become 0.
-pub fn log_decode(table: &Table, encoding: LogEncoding) -> Table {
-    map(table, |v| encoding.decode(f64::from(v)).max(0.0) as f32)
-}
-
 fn map(table: &Table, f: impl Fn(f32) -> f32 + Sync) -> Table {
     let mut mapped = table.clone();
     let values = mapped.values.as_slice_mut().expect("tables are stored in standard layout");

@@ -49,8 +49,6 @@ pub struct Recipe {
     pub bits: u32,
     /// `ε` of the log encoding.
     pub bias: f64,
-    /// True if the table is smoothed.
-    pub smooth: bool,
     /// True for a scaling coefficient of each level of detail that preserves energy; tangent-pole only. False for a single
     /// one, as in the paper.
     pub energy_preserving: bool,
@@ -76,7 +74,6 @@ impl Default for Recipe {
             stored_levels: 5,
             bits: 8,
             bias: DEFAULT_BIAS,
-            smooth: false,
             energy_preserving: false,
             target: Target::Ratio(4.0),
             ranking: Ranking::Energy,

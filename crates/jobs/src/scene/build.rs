@@ -189,6 +189,8 @@ fn unlisted(plan: &Plan, out: &Path, there: &BTreeMap<String, Digest>) -> Option
 pub struct BuiltNote {
     /// Path or address of its source.
     pub source: String,
+    /// Settings of reading it, in JSON.
+    pub reading: String,
     /// Hash of the source.
     pub digest: Option<Digest>,
     /// Seconds per stage of the run that made its pack.
@@ -200,12 +202,15 @@ const NOTES: &str = "built";
 /// Writes the notes that report pages use. They are optional, so errors are ignored.
 fn write_notes(store: &Store, plan: &Plan, outcomes: &Outcomes, retained: &[&str]) {
     let note = |(name, made): (&str, &Made)| {
-        let input = &plan.job(name)?.input;
+        let job = plan.job(name)?;
+        let (input, reading) = (&job.input, &job.reading);
+        let reading = serde_json::to_string(reading).ok()?;
         let source = match input.path() {
             Some(path) => std::path::absolute(path).ok()?.display().to_string(),
             None => input.to_string(),
         };
-        Some((name.to_owned(), BuiltNote { source, digest: Some(made.source), stages: made.pack_times.clone() }))
+        let (digest, stages) = (Some(made.source), made.pack_times.clone());
+        Some((name.to_owned(), BuiltNote { source, reading, digest, stages }))
     };
     let path = store.root().join(NOTES);
     let mut notes: BTreeMap<String, BuiltNote> = if retained.is_empty() { BTreeMap::new() } else { notes_in(&path) };

@@ -14,7 +14,9 @@ use super::uses::USE_KEYS;
 use crate::encode::OptionError;
 use crate::encode::{EncodeOptions, PackRecipe, codec_names, range_of};
 use crate::keys::keys_of;
+use brdfc_core::Smooth;
 use brdfc_core::words::{one_of, quoted};
+use brdfc_source::Reading;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -40,6 +42,8 @@ pub struct Manifest {
 /// The table `defaults`: options and requirements of all materials without values of their own.
 #[derive(Debug, Clone, Default)]
 pub struct Defaults {
+    /// Settings of reading that a material's own settings override.
+    pub reading: Reading,
     /// Encoding options that a material's own options override.
     pub options: EncodeOptions,
     /// Limits that finished packs have to meet.
@@ -55,6 +59,8 @@ pub struct Material {
     pub source: OsString,
     /// Line of the source in the manifest, from 1; 0 without a manifest.
     pub line: usize,
+    /// Settings of reading the source, which override the defaults.
+    pub reading: Reading,
     /// Encoding options of this material, which override the defaults.
     pub options: EncodeOptions,
     /// Limits that its finished pack has to meet.
@@ -67,6 +73,7 @@ pub struct Material {
 struct MaterialTable {
     /// Empty in the defaults.
     source: Spanned<String>,
+    reading: Reading,
     options: EncodeOptions,
     require: Require,
     lobes: LobesLimits,
@@ -113,8 +120,8 @@ impl Manifest {
         let (defaults, materials) = (root.remove("defaults"), root.remove("materials"));
         let mut manifest = Self::default();
         if let Some(table) = defaults {
-            let MaterialTable { options, require, lobes, .. } = material_table(table)?;
-            manifest.defaults = Defaults { options, require, lobes };
+            let MaterialTable { reading, options, require, lobes, .. } = material_table(table)?;
+            manifest.defaults = Defaults { reading, options, require, lobes };
         }
         if let Some(tables) = materials {
             let tables: BTreeMap<String, Spanned<DeValue<'_>>> = match tables.into_inner() {
@@ -122,10 +129,10 @@ impl Manifest {
                 _ => BTreeMap::new(),
             };
             for (name, table) in tables {
-                let MaterialTable { source, options, require, lobes } = material_table(table)?;
+                let MaterialTable { source, reading, options, require, lobes } = material_table(table)?;
                 let line = 1 + ends.partition_point(|end| *end < source.span().start);
                 let source = source.into_inner().into();
-                manifest.materials.insert(name, Material { source, line, options, require, lobes });
+                manifest.materials.insert(name, Material { source, line, reading, options, require, lobes });
             }
         }
         let PlainTables { scene, uses, render } = PlainTables::deserialize(Deserializer::from(tree))?;
@@ -141,7 +148,8 @@ impl Manifest {
             let OptionError { field, found, allowed } = with_hint(error);
             ManifestError::new(line, format!("{prefix}.{field}"), found, allowed.to_string())
         };
-        let Defaults { options, require, lobes } = &self.defaults;
+        let Defaults { reading, options, require, lobes } = &self.defaults;
+        check_reading(*reading).map_err(|p| error(line(&["defaults", p.field]), "defaults", p))?;
         PackRecipe::from_options(options, &EncodeOptions::default())
             .map_err(|p| error(line(&["defaults", p.field]), "defaults", p))?;
         require
@@ -170,6 +178,7 @@ impl Manifest {
                 let allowed = format!("{SOURCES}; manifests do not read stdin");
                 return Err(place.error(&["materials", name, "source"], "\"-\"".to_owned(), &allowed));
             }
+            check_reading(material.reading).map_err(|p| error(line(&["materials", name, p.field]), &prefix, p))?;
             PackRecipe::from_options(&material.options, options)
                 .map_err(|p| error(line(&["materials", name, p.field]), &prefix, p))?;
             let in_require = format!("{prefix}.require");
@@ -199,7 +208,7 @@ impl Manifest {
     }
 }
 
-/// Reads the table of a material or of the defaults: `source`, the encoding options, and the tables `require` and `lobes`.
+/// Reads the table of a material or of the defaults: `source`, settings of reading, encoding options, and the tables `require` and `lobes`.
 fn material_table(table: Spanned<DeValue<'_>>) -> Result<MaterialTable, toml::de::Error> {
     let span = table.span();
     let mut table = match table.into_inner() {
@@ -210,8 +219,22 @@ fn material_table(table: Spanned<DeValue<'_>>) -> Result<MaterialTable, toml::de
     let source = source.unwrap_or_else(|| Spanned::new(span.clone(), String::new()));
     let require = table.remove("require").map(one::<Require>).transpose()?.unwrap_or_default();
     let lobes = table.remove(LOBES).map(one::<LobesLimits>).transpose()?.unwrap_or_default();
+    let mut of_reading = DeTable::new();
+    for key in keys_of::<Reading>() {
+        of_reading.extend(table.remove_entry(*key));
+    }
+    let reading = Reading::deserialize(Deserializer::from(Spanned::new(span.clone(), of_reading)))?;
     let options = EncodeOptions::deserialize(Deserializer::from(Spanned::new(span, table)))?;
-    Ok(MaterialTable { source, options, require, lobes })
+    Ok(MaterialTable { source, reading, options, require, lobes })
+}
+
+/// Checks the ranges of settings of reading.
+fn check_reading(reading: Reading) -> Result<(), OptionError> {
+    let keys = keys_of::<Reading>();
+    reading.check().map_err(|error| {
+        let key = keys.iter().find(|key| **key == error.field).expect("errors name a key");
+        OptionError::new(key, error.found, &*error.allowed)
+    })
 }
 
 fn one<T: DeserializeOwned>(value: Spanned<DeValue<'_>>) -> Result<T, toml::de::Error> {
@@ -222,7 +245,7 @@ fn one<T: DeserializeOwned>(value: Spanned<DeValue<'_>>) -> Result<T, toml::de::
 fn all_keys() -> Vec<Key> {
     let require: Vec<Key> = keys_of::<Require>().iter().map(|name| option_key(name)).collect();
     let lobes: Vec<Key> = keys_of::<LobesLimits>().iter().map(|name| option_key(name)).collect();
-    let options = keys_of::<EncodeOptions>().iter().map(|name| option_key(name));
+    let options = [keys_of::<EncodeOptions>(), keys_of::<Reading>()].concat().into_iter().map(option_key);
     let tables = [("require", require), (LOBES, lobes)];
     let tables = tables.map(|(name, keys)| key(name, Shape::Table(keys.into()), ""));
     let defaults: Vec<Key> = options.chain(tables).collect();
@@ -240,11 +263,18 @@ fn all_keys() -> Vec<Key> {
 fn option_key(name: &'static str) -> Key {
     let shape = match name {
         "codec" | "parameterisation" | "ranking" => Shape::Text,
-        "reciprocal" | "plain_levels" | "smooth" | "trust_fit" => Shape::Truth,
+        "reciprocal" | "plain_levels" | "trust_fit" => Shape::Truth,
+        "smooth" => Shape::TruthOrWholeNumber,
         "min_highlight" | "max_error" | "max_fit_error" => Shape::Share,
         "max_bytes" => Shape::Bytes,
-        "max_fetches" | "levels" | "grid" | "bits" => Shape::WholeNumber,
+        "max_fetches" | "levels" | "grid" | "bits" | "neighbours" => Shape::WholeNumber,
         _ => Shape::Number,
     };
-    key(name, shape, if name == "codec" { codec_names() } else { range_of(name) })
+    let range = match name {
+        "codec" => codec_names(),
+        "neighbours" => Reading::NEIGHBOURS,
+        "smooth" => Smooth::ALLOWED,
+        _ => range_of(name),
+    };
+    key(name, shape, range)
 }

@@ -12,7 +12,7 @@ use crate::encode::{OptionError, PackRecipe, options_over};
 use crate::error::Error;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_lobes::LobesRecipe;
-use brdfc_source::Input;
+use brdfc_source::{Input, Reading};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -25,6 +25,8 @@ pub struct Job {
     pub declared: String,
     /// Path or address, resolved against the manifest's folder.
     pub input: Input,
+    /// Settings of reading the input.
+    pub reading: Reading,
     /// The recipe from its options, before the needs limit it.
     pub asked: PackRecipe,
     /// The recipe, limited by the needs.
@@ -42,9 +44,9 @@ pub struct Job {
 }
 
 impl Job {
-    /// Returns true if both jobs have the same source, recipes and maps.
+    /// Returns true if both jobs have the same source, settings, recipes and maps.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
-        let of = |job: &Self| (job.lobes, job.maps);
+        let of = |job: &Self| (job.reading, job.lobes, job.maps);
         self.input == other.input && self.recipe == other.recipe && of(self) == of(other)
     }
 
@@ -182,6 +184,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             name: name.clone(),
             declared: material.source.display().to_string(),
             input,
+            reading: material.reading.over(defaults.reading),
             asked,
             recipe,
             lobes: need.lobes.then_some(lobes),

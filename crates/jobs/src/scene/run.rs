@@ -23,7 +23,7 @@ use brdfc_core::Tally;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_lobes::LobesRecipe;
 use brdfc_source::open::{Facts, Opened, open, open_file_observed};
-use brdfc_source::{Input, InputError};
+use brdfc_source::{Input, InputError, Reading};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Mutex;
@@ -239,7 +239,7 @@ impl BuildContext<'_> {
     /// Returns a material from the store if it was made from the current contents of its source.
     pub fn known(&self, job: &Job) -> Option<Made> {
         let known = job.input.path().and_then(|path| self.store.known(path));
-        let read = || Some(opened_with_digest(&job.input, &kind_of(&job.input), u64::MAX).ok()?.1);
+        let read = || Some(opened_with_digest(&job.input, Reading::default(), &kind_of(&job.input), u64::MAX).ok()?.1);
         self.known_of(job, known.or_else(read)?)
     }
 
@@ -299,7 +299,7 @@ impl BuildContext<'_> {
         clock: &StageClock<'_>,
     ) -> Result<(CachedMaterial, bool), JobError> {
         let longest = memory::longest_source(extension, self.memory);
-        let (opened, source, stamp) = opened_with_digest(&job.input, extension, longest)?;
+        let (opened, source, stamp) = opened_with_digest(&job.input, job.reading, extension, longest)?;
         if let Some(path) = job.input.path() {
             self.remember(path, source, stamp);
         }
@@ -307,6 +307,7 @@ impl BuildContext<'_> {
         if cached.has(job, requested) {
             return Ok((cached, true));
         }
+        let source = values_of(source, job.reading);
         if requested.pack && cached.pack.is_none() {
             cached.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
         }
@@ -321,11 +322,12 @@ impl BuildContext<'_> {
 
     fn look_up(&self, job: &Job, source: Digest) -> CachedMaterial {
         let (store, placed, has_maps) = (self.store, self.placed, job.maps != [false; 2]);
+        let values = values_of(source, job.reading);
         CachedMaterial {
             source,
-            pack: store.look_up(&pack_key(source, &job.recipe), placed),
-            lobes: job.lobes.and_then(|recipe| store.look_up(&lobes_key(source, &recipe), placed)),
-            maps: if has_maps { store.look_up(&maps_key(source, job.maps), placed) } else { None },
+            pack: store.look_up(&pack_key(values, &job.recipe), placed),
+            lobes: job.lobes.and_then(|recipe| store.look_up(&lobes_key(values, &recipe), placed)),
+            maps: if has_maps { store.look_up(&maps_key(values, job.maps), placed) } else { None },
         }
     }
 
@@ -432,11 +434,12 @@ impl BuildContext<'_> {
 /// Returns an error if the source cannot be read, or changes while it is read.
 pub(crate) fn opened_with_digest(
     source: &Input,
+    reading: Reading,
     extension: &str,
     longest: u64,
 ) -> Result<(Opened, Digest, Option<Stamp>), InputError> {
     let Some(path) = source.path() else {
-        let opened = open(source, None)?;
+        let opened = open(source, reading)?;
         let digest = match &opened.facts {
             Facts::Synth(model) => Digest::of(model.address.as_bytes()),
             _ => Digest::of(source.to_string().as_bytes()),
@@ -444,7 +447,7 @@ pub(crate) fn opened_with_digest(
         return Ok((opened, digest, None));
     };
     let mut observer = HashingObserver::new(extension, longest);
-    let opened = open_file_observed(path, None, &mut observer)?;
+    let opened = open_file_observed(path, reading, &mut observer)?;
     let (digest, stamp) = observer.finish().map_err(|error| InputError::io(path, error))?;
     Ok((opened, digest, stamp))
 }
@@ -464,6 +467,14 @@ fn made_from_cache(job: &Job, cached: CachedMaterial, times: Option<Vec<StageTim
     let (report, pack_times) = pack.report;
     let gates = gates::check(&job.gates, &report);
     Made { report, maps, source: cached.source, gates, files, times, pack_times }
+}
+
+/// Hash of the values of a source: its own without settings of reading.
+fn values_of(source: Digest, reading: Reading) -> Digest {
+    if reading == Reading::default() {
+        return source;
+    }
+    Digest::of(&serde_json::to_vec(&(source, reading)).expect("hashes and settings are JSON"))
 }
 
 fn pack_key(source: Digest, recipe: &PackRecipe) -> Key {

@@ -27,6 +27,8 @@ pub(super) enum Shape {
     Number,
     /// An integer, 0 or more.
     WholeNumber,
+    /// A boolean, or an integer of 0 or more.
+    TruthOrWholeNumber,
     /// A list of this many numbers.
     Numbers(usize),
     /// One number, or a list of three.
@@ -187,7 +189,8 @@ fn fits(shape: &Shape, value: &DeValue<'_>) -> Fit {
         Shape::Text => value.is_str().into(),
         Shape::Truth => value.is_bool().into(),
         Shape::Number => number(value),
-        Shape::WholeNumber => match whole(value) {
+        Shape::TruthOrWholeNumber if value.is_bool() => Fit::Fits,
+        Shape::WholeNumber | Shape::TruthOrWholeNumber => match whole(value) {
             Some(whole) if whole > u32::MAX.into() => Fit::TooLarge(u32::MAX.to_string()),
             whole => whole.is_some_and(|whole| whole >= 0).into(),
         },
@@ -236,6 +239,7 @@ fn expected_value(shape: &Shape, range: &str, field: &str) -> String {
         Shape::Truth => "true or false".to_owned(),
         Shape::Number => "a number".to_owned(),
         Shape::WholeNumber => "a whole number".to_owned(),
+        Shape::TruthOrWholeNumber => return range.to_owned(),
         Shape::Numbers(2) => "two numbers".to_owned(),
         Shape::Numbers(3) => "three numbers".to_owned(),
         Shape::Numbers(count) => format!("{count} numbers"),

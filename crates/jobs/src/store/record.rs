@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use std::path::Path;
 
 /// Identifies the layout of records; it changes when the layout of any record changes.
-const MAGIC: [u8; 8] = *b"brdfc r3";
+const MAGIC: [u8; 8] = *b"brdfc r4";
 /// Length of a checksum, bytes.
 const CHECKSUM: usize = 32;
 /// Largest record, bytes. It also bounds the allocations of the decoder.

@@ -182,7 +182,7 @@ mod tests {
                 }
             }
         }
-        ScanSource::of_pairs(&pairs, &values, true, &Strength::Chosen).unwrap()
+        ScanSource::of_pairs(&pairs, &values, true, &Strength::Chosen { least_noise: 0.05 }).unwrap()
     }
 
     #[test]

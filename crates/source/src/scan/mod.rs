@@ -16,11 +16,11 @@ pub use summary::ScanSummary;
 
 use super::error::InputError;
 use super::format::{Format, Opened};
-use super::input::{Input, InputFile};
+use super::input::{Input, InputFile, Reading};
 use brdfc_core::StrayRows;
 use brdfc_core::source::{Completion, Repeats};
 use brdfc_core::words::counted;
-use brdfc_core::{Source, Symmetry, Tally};
+use brdfc_core::{Smooth, Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::alta::{self, AltaTable};
@@ -30,7 +30,7 @@ use coordinates::{Anisotropic, Isotropic, Space};
 use incidence::Incidence;
 use merge::{Group, merge};
 use std::sync::OnceLock;
-use strength::{Rows, Smoothed, Strength, Tree};
+use strength::{LEAST_NOISE, Rows, Smoothed, Strength, Tree};
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
@@ -62,29 +62,46 @@ pub fn is_scan(input: &Input) -> Result<bool, InputError> {
 }
 
 fn open_text<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let neighbours = input.reading.neighbours;
-    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None, neighbours))
+    let reading = input.reading;
+    input.parse_text(|bytes| opened(&Scan::from_bytes(bytes)?, None, reading))
 }
 
 fn open_csv<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let neighbours = input.reading.neighbours;
-    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None, neighbours))
+    let reading = input.reading;
+    input.parse_text(|bytes| opened(&scan_csv::from_bytes(bytes)?, None, reading))
 }
 
 fn open_alta<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {
-    let neighbours = input.reading.neighbours;
+    let reading = input.reading;
     input.parse_text(|bytes| {
         let table = AltaTable::from_bytes(bytes)?;
-        opened(&table.scan, Some(&table), neighbours)
+        opened(&table.scan, Some(&table), reading)
     })
+}
+
+/// The requested strength.
+///
+/// # Errors
+/// Returns an error for a radius in cells, which scans do not have.
+fn strength(reading: Reading) -> Result<Strength, FormatError> {
+    let least_noise = match reading.smooth {
+        None => LEAST_NOISE,
+        Some(Smooth::Chosen(true)) => 0.0,
+        Some(Smooth::Chosen(false)) => f64::INFINITY,
+        Some(Smooth::Radius(radius)) => {
+            let allowed = "true or false for a scan, which has a number of neighbours instead of a radius";
+            return Err(FormatError::whole("smooth", radius.to_string(), allowed));
+        }
+    };
+    Ok(reading.neighbours.map_or(Strength::Chosen { least_noise }, Strength::Neighbours))
 }
 
 fn opened<F: From<ScanFacts>>(
     scan: &Scan,
     alta: Option<&AltaTable>,
-    neighbours: Option<usize>,
+    reading: Reading,
 ) -> Result<Opened<F>, FormatError> {
-    let source = ScanSource::with_neighbours(scan, neighbours)?;
+    let source = ScanSource::read(scan, reading)?;
     let left_out = alta.map(|table| table.left_out).filter(|count| *count > 0);
     let summary = ScanSummary { left_out, ..source.summary() };
     let alta = alta.map(|table| AltaHeader {
@@ -133,16 +150,17 @@ impl ScanSource {
     /// # Errors
     /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs.
     pub fn new(scan: &Scan) -> Result<Self, FormatError> {
-        Self::with_neighbours(scan, None)
+        Self::read(scan, Reading::default())
     }
 
-    /// Builds the search tree. Fits have this number of neighbours; `None` chooses it by left-out rows. Rows whose azimuth
+    /// Builds the search tree. Without a number of neighbours, left-out rows choose it. Rows whose azimuth
     /// of incidence differs from the common one are taken as isotropic, and compared with the others.
     ///
     /// # Errors
-    /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours.
-    pub fn with_neighbours(scan: &Scan, neighbours: Option<usize>) -> Result<Self, FormatError> {
-        let strength = &neighbours.map_or(Strength::Chosen, Strength::Neighbours);
+    /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours,
+    /// and for a radius.
+    pub fn read(scan: &Scan, reading: Reading) -> Result<Self, FormatError> {
+        let strength = &strength(reading)?;
         let strays = match Incidence::of(&scan.rows) {
             Incidence::Several => return Self::of_rows(&scan.rows, false, strength),
             Incidence::One(strays) => strays,
@@ -151,7 +169,7 @@ impl ScanSource {
         let mut next = strays.iter().copied().peekable();
         let others: Vec<Row> =
             (0..scan.rows.len()).filter(|row| next.next_if_eq(row).is_none()).map(|row| scan.rows[row]).collect();
-        let Ok(others) = Self::of_rows(&others, true, &Strength::Chosen) else {
+        let Ok(others) = Self::of_rows(&others, true, &Strength::Chosen { least_noise: LEAST_NOISE }) else {
             // Too few rows for a comparison.
             return Self::of_rows(&scan.rows, false, strength);
         };

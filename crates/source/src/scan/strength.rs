@@ -32,7 +32,7 @@ const MAX_WORK: usize = 10_000_000;
 const ROUNDING: f64 = 1e-4;
 /// Least estimated noise of a scan that is smoothed, as a fraction of the value. Below, rows count as they were measured:
 /// 5 % noise alone is a mean ΔE of 0.65 for `synth:ggx?alpha=0.15`, less than the 1 that is just visible.
-const LEAST_NOISE: f64 = 0.05;
+pub const LEAST_NOISE: f64 = 0.05;
 /// Spread of repeated rows above which all numbers of neighbours are tried.
 const NOISY_REPEATS: f64 = 0.02;
 /// Share of the rows around a row whose residuals decide about its number of neighbours, and the limits of their number.
@@ -65,8 +65,8 @@ impl<const S: usize> Tree<S> {
 /// Requested strength.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Strength {
-    /// Chosen by left-out rows.
-    Chosen,
+    /// Chosen by left-out rows, if the estimated noise is at least this fraction of the value.
+    Chosen { least_noise: f64 },
     /// The same number of neighbours everywhere.
     Neighbours(usize),
     /// Numbers of neighbours that were chosen before, one per row.
@@ -167,11 +167,11 @@ impl<const S: usize> Rows<'_, S> {
     ) -> Smoothed {
         let rows = self.pairs.len();
         let sizes = match strength {
-            Strength::Chosen => {
+            Strength::Chosen { least_noise } => {
                 let candidates = FACTORS.map(|factor| factor * default);
                 let allowed = |size: &&usize| **size < rows && **size * rows <= MAX_WORK;
                 let count = candidates.iter().filter(allowed).count().max(1);
-                match self.choose::<D, M, P>(&candidates[..count], spread) {
+                match self.choose::<D, M, P>(&candidates[..count], *least_noise, spread) {
                     Ok(sizes) => sizes,
                     Err(noise) => return Smoothed { rows: None, noise },
                 }
@@ -195,13 +195,14 @@ impl<const S: usize> Rows<'_, S> {
     fn choose<const D: usize, const M: usize, P: Space<D, S>>(
         &self,
         candidates: &[usize],
+        least_noise: f64,
         spread: f64,
     ) -> Result<Vec<usize>, f64> {
         let first = self.tried::<D, M, P>(candidates[0]);
         let mean = |fits: &[RowFit]| fits.iter().map(|fit| self.square(fit).sqrt()).sum::<f64>() / fits.len() as f64;
         let noisy = |second: usize| {
             let second = self.tried::<D, M, P>(second);
-            self.noise(&second) >= LEAST_NOISE && (spread > NOISY_REPEATS || mean(&second) < NOISY * mean(&first))
+            self.noise(&second) >= least_noise && (spread > NOISY_REPEATS || mean(&second) < NOISY * mean(&first))
         };
         if mean(&first) < ROUNDING || !candidates.get(1).is_some_and(|second| noisy(*second)) {
             return Err(self.noise(&first));

@@ -6,6 +6,7 @@ mod flat_btf_files;
 mod gonio_held_out;
 mod large_files;
 mod noisy_scans;
+mod noisy_tables;
 mod rgl_corrupt;
 mod rgl_oracle;
 mod rgl_synthetic;

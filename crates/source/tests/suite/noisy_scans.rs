@@ -1,12 +1,13 @@
 //! Simulated scans with noise: the strength that left-out rows choose, compared with the truth and with fixed numbers of
 //! neighbours.
 
+use brdfc_core::Smooth;
 use brdfc_core::Source;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::rendering::ReferenceRendering;
 use brdfc_readers::scan::Scan;
-use brdfc_source::ScanSource;
 use brdfc_source::simulate::{ScanPlan, scan};
+use brdfc_source::{Reading, ScanSource};
 
 const PLAN: ScanPlan =
     ScanPlan { rows: 4000, incidences: 8, azimuths: None, noise: 0.0, gaps: 0.0, duplicates: 0.0, seed: 3 };
@@ -17,7 +18,7 @@ fn truth(model: &str) -> Box<dyn Source> {
 
 fn completed(model: &str, plan: &ScanPlan, neighbours: Option<usize>) -> ScanSource {
     let rows = scan(truth(model).as_ref(), plan);
-    ScanSource::with_neighbours(&Scan { rows, ..Scan::default() }, neighbours).unwrap()
+    ScanSource::read(&Scan { rows, ..Scan::default() }, Reading { neighbours, ..Reading::default() }).unwrap()
 }
 
 fn delta_e(model: &str, source: &ScanSource) -> f64 {
@@ -66,15 +67,35 @@ fn scans_without_noise_keep_their_values() {
     }
 }
 
+/// `false` keeps the rows of noisy scans, and `true` also smooths scans with little noise.
+#[test]
+fn scans_are_smoothed_on_request() {
+    let model = "synth:lambert";
+    let found = |noise: f64, smooth| {
+        let rows = scan(truth(model).as_ref(), &ScanPlan { noise, ..PLAN });
+        let reading = Reading { smooth, ..Reading::default() };
+        let source = ScanSource::read(&Scan { rows, ..Scan::default() }, reading).unwrap();
+        (source.summary().neighbours != [14; 2], delta_e(model, &source))
+    };
+    let [kept, smoothed] = [false, true].map(|is_smooth| found(0.03, Some(Smooth::Chosen(is_smooth))));
+    assert!(!kept.0 && smoothed.0 && smoothed.1 < 0.5 * kept.1, "{kept:?} {smoothed:?}");
+    assert_eq!(found(0.03, None), kept);
+    let rough = found(0.3, Some(Smooth::Chosen(false)));
+    assert!(!rough.0 && found(0.3, None).1 < 0.5 * rough.1, "{rough:?}");
+}
+
 #[test]
 fn numbers_of_neighbours_are_checked() {
     let rows = scan(truth("synth:lambert").as_ref(), &ScanPlan { rows: 40, ..PLAN });
     let scan = Scan { rows, ..Scan::default() };
+    let read = |neighbours, smooth| ScanSource::read(&scan, Reading { neighbours, smooth, ..Reading::default() });
     for count in [0, 41] {
-        let error = ScanSource::with_neighbours(&scan, Some(count)).unwrap_err().to_string();
+        let error = read(Some(count), None).unwrap_err().to_string();
         assert!(error.contains(&format!("found {count}")) && error.contains("expected 1 to 40"), "{error}");
     }
     for count in [1, 14, 40] {
-        assert_eq!(ScanSource::with_neighbours(&scan, Some(count)).unwrap().summary().neighbours, [count; 2]);
+        assert_eq!(read(Some(count), None).unwrap().summary().neighbours, [count; 2]);
     }
+    let error = read(None, Some(Smooth::Radius(3))).unwrap_err().to_string();
+    assert!(error.contains("found 3") && error.contains("expected true or false for a scan"), "{error}");
 }

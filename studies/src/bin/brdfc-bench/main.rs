@@ -43,7 +43,7 @@ struct Report {
 
 fn main() -> ExitCode {
     let command = Arguments::command().mut_args(usage::with_common_settings);
-    run_program("brdfc-bench", command, |arguments: &Arguments| &arguments.flags, run)
+    run_program("brdfc-bench", command, std::env::args_os(), |arguments: &Arguments| &arguments.flags, run)
 }
 
 fn run(arguments: Arguments, common: Common) -> Result<(), Error> {

@@ -37,8 +37,8 @@ fn wavelet_packs() {
     let fabric = "synth:velvet?kd=0.1,0.2,0.4";
     let visible = Recipe { target: Target::MaxError(0.1), ranking: Ranking::Visible, ..twelve.clone() };
     packs.insert("visible-max-error-12-rgb.ktx2".to_owned(), wavelet(fabric, &visible));
-    let smooth = Recipe { target: Target::MaxBytes(4000), smooth: true, bias: 0.001, ..twelve };
-    packs.insert("smooth-max-bytes-12-rgb.ktx2".to_owned(), wavelet(fabric, &smooth));
+    let small = Recipe { target: Target::MaxBytes(4000), bias: 0.001, ..twelve };
+    packs.insert("max-bytes-12-rgb.ktx2".to_owned(), wavelet(fabric, &small));
     let coarse = Recipe { stored_levels: 2, supercompress: false, ..recipe(Parameterisation::TangentPole, 8) };
     packs.insert("coarse-8-grey-uncompressed.ktx2".to_owned(), wavelet(&grey, &coarse));
     let energy_preserving = |bits| Recipe { energy_preserving: true, ..recipe(Parameterisation::TangentPole, bits) };

@@ -7,7 +7,7 @@ use brdfc_formats::wavelet::{Filter, WaveletDecoder, WaveletPack};
 use brdfc_metrics::compare::compare;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_testing::checks::{albedo, value};
-use brdfc_testing::wrapped::{Claiming, Noisy, OneWay};
+use brdfc_testing::wrapped::{Claiming, OneWay};
 use brdfc_wavelet::encode::{Encoded, encode};
 use brdfc_wavelet::haar;
 use brdfc_wavelet::log_encode::{DEFAULT_BIAS, LogEncoding, log_encode};
@@ -261,23 +261,6 @@ fn scaled_details_are_noticed() {
     }
     let (right, wrong) = (error(&pack), error(&scaled));
     assert!(right < 1e-4 && wrong > 0.05, "{right} {wrong}");
-}
-
-#[test]
-fn smoothing_a_noisy_table_brings_it_nearer_to_the_truth() {
-    let truth = source("synth:lewis?kd=0.5&ks=0.2&n=4");
-    let noisy = Noisy { source: source("synth:lewis?kd=0.5&ks=0.2&n=4"), amplitude: 0.2, seed: 3 };
-    let pairs = PairSet::new(random_pairs(4000, 11));
-    let error = |source: &dyn Source, smooth: bool| {
-        let pack = encoded(source, tangent_pole(4), |r| (r.target, r.smooth) = (Target::Ratio(1.0), smooth));
-        compare(truth.as_ref(), &decoded(&pack, None), &pairs).0.norms.relative_mean
-    };
-    let (rough, smoothed) = (error(&noisy, false), error(&noisy, true));
-    println!("against the truth: {rough:.4} as measured, {smoothed:.4} smoothed");
-    assert!(smoothed < 0.7 * rough, "{rough} {smoothed}");
-    // Without noise there is nothing to gain, so the gain above comes from the noise.
-    let (clean, needless) = (error(truth.as_ref(), false), error(truth.as_ref(), true));
-    assert!(needless > 0.7 * clean, "{clean} {needless}");
 }
 
 /// Reflected light of a pack under light from `incoming`, over cells of the grid.

@@ -184,8 +184,9 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
         return Err("the path of the source is unknown: the folder has no store".to_owned());
     }
     let input = Input::from(note.source.as_str());
+    let reading = serde_json::from_str(&note.reading).unwrap_or_default();
     let (opened, digest, _) =
-        opened_with_digest(&input, &kind_of(&input), u64::MAX).map_err(|error| error.to_string())?;
+        opened_with_digest(&input, reading, &kind_of(&input), u64::MAX).map_err(|error| error.to_string())?;
     match note.digest {
         Some(built) if built != digest => Err(format!("{}: changed since the build", note.source)),
         _ => Ok(opened.source),
