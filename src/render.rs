@@ -11,14 +11,14 @@ pub use brdfc_formats::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 pub use brdfc_gpu::verify::{Material, PackReflectance, Views, lobes_views, views};
 pub use brdfc_gpu::{AdapterChoice, AdaptiveRenderer, Decoding, Gpu, GpuError, SliceFilter, draw_flat_btf, draw_pwt};
 pub use brdfc_jobs::pwt::DistantPhotographs;
-pub use brdfc_jobs::report::adaptive::{AdaptiveRates, AdaptiveVerification, Shading};
+pub use brdfc_jobs::report::adaptive::{AdaptiveRates, AdaptiveVerification, PartTextureReport, Shading};
 pub use brdfc_jobs::report::contact::MaterialVerification;
 pub use brdfc_jobs::report::render::{PartMaterial, RenderingGates, Verification, nothing_shown};
 pub use brdfc_jobs::tabulated::{Tabulated, tabulated};
 pub use brdfc_metrics::image::{LinearImage, auto_exposure};
 pub use brdfc_render::adaptive::{
-    AdaptiveMaterial, AdaptiveRendering, AdaptiveScene, DistantLight, Lookups, Prediction, RATE_TILES, RateImage,
-    Settings, Start, ground_truth,
+    AdaptiveMaterial, AdaptiveRendering, AdaptiveScene, DistantLight, Lookups, PartTexture, Prediction, RATE_TILES,
+    RateImage, Settings, Start, ground_truth, repeats,
 };
 pub use brdfc_render::contact_sheet::contact_sheet;
 pub use brdfc_render::flat::{FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
@@ -37,14 +37,20 @@ pub use brdfc_source::radiance_image::open_radiance_image;
 use crate::flatten::{AssetFile, MesoOptions, PLANE};
 use crate::inspect::{AnyPack, RtiCapture};
 use crate::{Error, Input, Source};
+use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::map::texture_map;
+use brdfc_bandwidth::texture::Placement;
 use brdfc_core::PackSource;
 use brdfc_core::address::is_synth;
 use brdfc_flat_btf::model::MesoModel;
+use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
 use brdfc_formats::direction::dot;
 use brdfc_jobs::flatten::{open_appearance, open_geometry};
 use brdfc_render::adaptive::ANY_LEVEL;
 use brdfc_render::flat::reference;
+use brdfc_render::mipmaps::Mipmaps;
 use brdfc_render::rendering::{heat_map, octave_map};
+use brdfc_source::tile_image::open_colours;
 
 /// Bandwidth and importance samples of a material for adaptive shading: from `maps` if it has both, otherwise from the source or
 /// the pack.
@@ -61,12 +67,63 @@ pub fn lookups(material: &Material<'_>, maps: &[AnyPack]) -> Result<Lookups, Err
         }
     };
     let found = match maps {
-        [AnyPack::Bandwidth(bandwidth), AnyPack::Importance(samples)] => {
+        [AnyPack::Bandwidth(bandwidth), AnyPack::Importance(samples), ..] => {
             Lookups::of_packs(source, bandwidth.clone(), samples.clone())
         }
         _ => Lookups::new(source),
     };
     found.map_err(|error| Error::internal(error.to_string()))
+}
+
+/// Maximum pixels per side of a texture.
+pub const MAX_TEXTURE_SIDE: usize = 4096;
+
+/// A texture for adaptive shading. It repeats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    /// Factors on `f_r`, linear RGB, with mipmaps.
+    pub colours: Mipmaps,
+    /// Bandwidth map, with the size in metres.
+    pub bandwidth: BandwidthMap,
+}
+
+/// Opens a texture of this size in metres, a PNG or JPEG. `built` is its map, if a build has made it.
+///
+/// # Errors
+/// Returns an error if the image cannot be read or is larger than [`MAX_TEXTURE_SIDE`] along a side.
+pub fn texture(input: &Input, metres: [f64; 2], built: Option<BandwidthMap>) -> Result<Texture, Error> {
+    let image = open_colours(input)?;
+    let (width, height) = (image.width, image.height);
+    if width.max(height) > MAX_TEXTURE_SIDE {
+        let allowed = format!("expected at most {MAX_TEXTURE_SIDE} pixels along a side of a texture");
+        return Err(Error::input(format!("{input}: image: found {width} x {height} pixels, {allowed}")));
+    }
+    let map = || texture_map(&image.pixels, width, Placement { metres, tiles: true }, DEFAULT_EPSILON);
+    let bandwidth = built.map_or_else(map, Ok).map_err(Error::own_layout)?;
+    Ok(Texture { colours: Mipmaps::new(width, image.pixels), bandwidth })
+}
+
+impl Texture {
+    /// Returns true for bandwidth maps of textures.
+    pub fn is_map(map: &BandwidthMap) -> bool {
+        matches!(map.header().kind, BandwidthKind::Texture { .. })
+    }
+
+    /// Width and height in metres.
+    pub fn metres(&self) -> [f32; 2] {
+        match self.bandwidth.header().kind {
+            BandwidthKind::Texture { metres, .. } => metres,
+            _ => [1.0; 2],
+        }
+    }
+
+    /// The texture with a map that is 0 everywhere.
+    pub fn without_bandwidth(&self) -> Self {
+        let size = self.bandwidth.size();
+        let zeros = vec![0.0; size.into_iter().product::<u32>() as usize];
+        let map = BandwidthMap::new(*self.bandwidth.header(), size, &zeros).expect("zeros are valid values");
+        Self { colours: self.colours.clone(), bandwidth: map }
+    }
 }
 
 /// Prepares a source for [`draw_integral`].

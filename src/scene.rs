@@ -15,9 +15,10 @@ pub use brdfc_jobs::scene::graph::{Graph, Places};
 pub use brdfc_jobs::scene::inputs::{manifest_among, read_manifest};
 pub use brdfc_jobs::scene::lobes::{LOBES, LobesReport};
 pub use brdfc_jobs::scene::manifest::{Manifest, ManifestError, Use, line_of, near_miss};
-pub use brdfc_jobs::scene::maps::{PARTS, Packed, part_name};
+pub use brdfc_jobs::scene::maps::{PARTS, Packed, TEXTURE, part_name};
 pub use brdfc_jobs::scene::plan::{EnvironmentJob, Job, REPORT, pack_name, plan};
 pub use brdfc_jobs::scene::render_section::{LightSection, MAX_SAMPLES, MAX_SIDE, RenderSection};
+pub use brdfc_jobs::scene::textures::{TEXTURE_METRES, TextureJob};
 pub use brdfc_jobs::scene::watch::{Change, Watched, What};
 pub use brdfc_jobs::scene::works::{Shard, Work};
 

@@ -9,6 +9,7 @@ use brdfc::bandwidth::{
     self, BandwidthFacts, BandwidthMap, DEFAULT_EPSILON, EPSILON_RANGE, Placement, RESOLUTIONS, Resolution, Subject,
     holds_radiance,
 };
+use brdfc::scene::TEXTURE_METRES;
 use brdfc::{Input, Tally};
 use brdfc_terminal::words::{format_number, quoted};
 use clap::{Args, ValueEnum};
@@ -172,19 +173,22 @@ fn recipe(arguments: &Arguments) -> Result<bandwidth::Kind, Error> {
             bandwidth::Kind::Material(resolution)
         }
         Kind::Environment => bandwidth::Kind::Environment,
-        Kind::Texture => bandwidth::Kind::Texture(Placement { metres: metres(arguments)?, tiles: !arguments.no_tile }),
+        Kind::Texture => bandwidth::Kind::Texture(Placement {
+            metres: texture_size("--size", arguments.size.as_deref())?,
+            tiles: !arguments.no_tile,
+        }),
     })
 }
 
-/// Parses `--size`: width and height of a texture in metres.
-fn metres(arguments: &Arguments) -> Result<[f64; 2], Error> {
-    let side = |part: &str| part.parse::<f64>().ok().filter(|side| (1e-6..=1e6).contains(side));
+/// Parses the flag for the width and height of a texture in metres, such as `--size`.
+pub(super) fn texture_size(flag: &str, found: Option<&str>) -> Result<[f64; 2], Error> {
+    let side = |part: &str| part.parse::<f64>().ok().filter(|side| TEXTURE_METRES.contains(side));
     let allowed = "WIDTHxHEIGHT of the texture in metres, 1e-6 to 1e6";
-    let Some(found) = arguments.size.as_deref() else {
-        return Err(Error::usage(format!("--size: required for textures; expected {allowed}")));
+    let Some(found) = found else {
+        return Err(Error::usage(format!("{flag}: required for textures; expected {allowed}")));
     };
     let sides = found.split_once(['x', 'X']).and_then(|(width, height)| Some([side(width)?, side(height)?]));
-    sides.ok_or_else(|| Error::wrong_usage("--size", quoted(found), allowed))
+    sides.ok_or_else(|| Error::wrong_usage(flag, quoted(found), allowed))
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {

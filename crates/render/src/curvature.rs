@@ -43,15 +43,22 @@ fn curvature_at(buffer: &GBuffer, pixel: usize) -> f32 {
 
 /// `|Δn|² / |Δp|²` of a step to a neighbour; -1 if the step leaves the surface.
 fn turn_squared(buffer: &GBuffer, from: usize, to: usize) -> f32 {
+    let length_squared = step_squared(buffer, from, to);
+    if length_squared < 0.0 {
+        return -1.0;
+    }
+    let turn = [0, 1, 2].map(|k| buffer.normal[to][k] - buffer.normal[from][k]);
+    dot(turn, turn) / length_squared
+}
+
+/// `|Δp|²` of a step to a neighbour, above 0; -1 if the step leaves the surface.
+pub(crate) fn step_squared(buffer: &GBuffer, from: usize, to: usize) -> f32 {
     let ([p, q], [m, n]) = ([from, to].map(|i| buffer.position[i]), [from, to].map(|i| buffer.normal[i]));
     let step = [0, 1, 2].map(|k| q[k] - p[k]);
     let length_squared = dot(step, step);
     let rise = dot(step, [0, 1, 2].map(|k| m[k] + n[k]));
-    if length_squared <= 0.0 || rise * rise > MAX_RISE_SQUARED * length_squared {
-        return -1.0;
-    }
-    let turn = [0, 1, 2].map(|k| n[k] - m[k]);
-    dot(turn, turn) / length_squared
+    let leaves = length_squared <= 0.0 || rise * rise > MAX_RISE_SQUARED * length_squared;
+    if leaves { -1.0 } else { length_squared }
 }
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {

@@ -12,6 +12,7 @@ mod footprint;
 pub mod gbuffer;
 pub mod lobe_sampler;
 pub mod lobes;
+pub mod mipmaps;
 pub mod pwt;
 pub mod rendering;
 mod sample_means;

@@ -3,12 +3,14 @@
 use crate::InputError;
 use crate::input::{Input, InputFile};
 use crate::jpeg_end::check_end;
+use crate::read::ReadListener;
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
 use brdfc_readers::colour::decode_srgb;
 use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Pixel, Primitive};
 use std::io::Cursor;
+use std::path::Path;
 
 /// Maximum width and height, pixels.
 const MAX_SIZE: u32 = 8192;
@@ -33,8 +35,19 @@ pub struct FileImage<const N: usize> {
 /// # Errors
 /// Returns an error for files that cannot be read, are of another format, or are larger than 8192 pixels along a side.
 pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError> {
-    let linear = |c: f32| decode_srgb(f64::from(c)) as f32;
-    open(&input.into(), |[r, g, b, _], _| [r, g, b].map(linear))
+    open(InputFile::of(&input.into(), &mut ())?, linear)
+}
+
+/// Same as [`open_colours`] for a file that `listener` observes.
+///
+/// # Errors
+/// Returns the errors of [`open_colours`].
+pub fn open_colours_observed(path: &Path, listener: &mut dyn ReadListener) -> Result<FileImage<3>, InputError> {
+    open(InputFile::at(path, listener)?, linear)
+}
+
+fn linear([r, g, b, _]: [f32; 4], _: bool) -> [f32; 3] {
+    [r, g, b].map(|c| decode_srgb(f64::from(c)) as f32)
 }
 
 /// Reads a PNG or JPEG of 8 or 16 bits: its stored channels, 0 to 1; the fourth is 0 if the file has none.
@@ -42,12 +55,16 @@ pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError>
 /// # Errors
 /// Returns an error for files that cannot be read, are of another format, or are larger than 8192 pixels along a side.
 pub fn open_shares(input: impl Into<Input>) -> Result<FileImage<4>, InputError> {
-    open(&input.into(), |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
+    open(InputFile::of(&input.into(), &mut ())?, |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
 }
 
 /// Reads an image. `of` converts the RGBA of each pixel; its flag is true if the file has a fourth channel.
-fn open<const N: usize>(input: &Input, of: impl Fn([f32; 4], bool) -> [f32; N]) -> Result<FileImage<N>, InputError> {
-    let decoded = InputFile::of(input, &mut ())?.parse_within(MAX_BYTES, decode)?;
+fn open<const N: usize>(
+    file: InputFile<'_>,
+    of: impl Fn([f32; 4], bool) -> [f32; N],
+) -> Result<FileImage<N>, InputError> {
+    let path = file.path;
+    let decoded = file.parse_within(MAX_BYTES, decode)?;
     let of = |pixel| of(pixel, decoded.color().has_alpha());
     let pixels = match &decoded {
         DynamicImage::ImageLuma8(image) => convert(image, of),
@@ -60,7 +77,7 @@ fn open<const N: usize>(input: &Input, of: impl Fn([f32; 4], bool) -> [f32; N]) 
         DynamicImage::ImageRgba16(image) => convert(image, of),
         other => Err(FormatError::whole("image", format!("{:?}", other.color()), "8 or 16 bits")),
     };
-    let pixels = pixels.map_err(|error| InputError::format(input.named_path(), error))?;
+    let pixels = pixels.map_err(|error| InputError::format(path, error))?;
     Ok(FileImage { width: decoded.width() as usize, height: decoded.height() as usize, pixels })
 }
 

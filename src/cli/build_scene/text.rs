@@ -3,7 +3,7 @@
 use crate::table;
 use brdfc::bandwidth::BandwidthFacts;
 use brdfc::environment::EnvironmentFacts;
-use brdfc::scene::{LOBES, LobesReport, PARTS, Packed, part_name};
+use brdfc::scene::{LOBES, LobesReport, PARTS, Packed, TEXTURE, part_name};
 use brdfc::{Outcomes, Plan};
 
 /// Formats packs as a table, one per line, and lobes and maps if there are any.
@@ -36,6 +36,8 @@ pub(super) fn text(plan: &Plan, outcomes: &Outcomes) -> String {
             let size = format!("{} x {}", facts.samples, facts.polar * facts.azimuths);
             row(samples, cells(size, "-".to_owned(), packed.bytes_on_disk, facts.gpu_bytes))
         }));
+        let texture = part_name(name, TEXTURE);
+        rows.extend(maps.texture.as_ref().map(|map| row(texture, bandwidth_cells(map))));
     }
     let header = ["map", "texels", "largest bandwidth", "on disk", "on GPU"];
     let maps = (!rows.is_empty()).then(|| table::plain(&header, &rows));

@@ -3,6 +3,7 @@
 use super::adaptive_options::{ANTIALIAS, AdaptiveOptions, MAX_SAMPLES, RATE_TILE};
 use super::arguments::Arguments;
 use super::materials::{self, Prepared, Subject};
+use super::textures::{self, Textures};
 use super::{gpu, outputs, scene};
 use crate::output::{note, print, print_json, refuse_flags, remark, write_file};
 use crate::table::{percent, plain, significant};
@@ -12,8 +13,9 @@ use brdfc::bandwidth::{BandwidthFacts, BandwidthMap, DEFAULT_EPSILON};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::render::{
     AdaptiveMaterial, AdaptiveRates, AdaptiveRenderer, AdaptiveScene, AdaptiveVerification, DistantLight, Environment,
-    Frame, GpuError, LinearImage, PackReflectance, RATE_TILES, RateImage, Reflectance, Settings, Shading, Start,
-    auto_exposure, environment_map, ground_truth, lookups, nothing_shown, prediction_png, rates_png, tabulated,
+    Frame, GpuError, LinearImage, PackReflectance, PartTextureReport, RATE_TILES, RateImage, Reflectance, Settings,
+    Shading, Start, auto_exposure, environment_map, ground_truth, lookups, nothing_shown, prediction_png, rates_png,
+    tabulated,
 };
 use brdfc::scene::EnvironmentJob;
 use brdfc_terminal::words::format_number;
@@ -43,6 +45,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let started = Instant::now();
     let (mut settings, antialias) = settings(&arguments.adaptive)?;
     refuse(arguments)?;
+    let metres = textures::metres(arguments)?;
     let subject = materials::subject(arguments)?;
     let setup = scene::setup(arguments, &subject)?;
     let frame = Frame { samples: 1, ..setup.frame };
@@ -64,8 +67,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         prepared.iter().map(|part| PackReflectance::new(&part.pack, decoding)).collect();
     let index = |name: &String| prepared.iter().position(|part| part.name == *name).expect("every name was prepared");
     let parts: Vec<usize> = setup.names.iter().map(index).collect();
-    let materials: Vec<AdaptiveMaterial<'_>> =
+    let textures = Textures::open((arguments, metres), &subject, &setup, (&prepared, &parts))?;
+    let plain: Vec<AdaptiveMaterial<'_>> =
         parts.iter().map(|part| lookups[*part].material(&reflectances[*part] as &dyn Reflectance)).collect();
+    let materials = textures.on(&plain);
     let packs: Vec<&BrdfPack> = parts.iter().map(|part| &prepared[*part].pack).collect();
     for part in prepared.iter().filter(|part| !part.pack.directions().is_all()) {
         let text = format!("the pack covers {}; other directions use the nearest covered one", part.pack.directions());
@@ -104,6 +109,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let ((), bandwidth_seconds) = timed(|| renderer.run_prediction(&loaded, &g_buffer, &settings))?;
     let (rendering, seconds) = timed(|| renderer.draw(&loaded, &g_buffer, &settings))?;
     remark(common, &format!("adaptive: {seconds:.1} s; forward: {count} samples per point"));
+    let ignored = textures.without_bandwidth().map(|textures| {
+        let scene = AdaptiveScene { materials: &textures.on(&plain), ..adaptive_scene };
+        let loaded = renderer.load(&scene, &packs, decoding)?;
+        timed(|| renderer.draw(&loaded, &g_buffer, &settings))
+    });
+    let ignored = ignored.transpose()?;
     let (forward, forward_seconds) = timed(|| renderer.forward(&loaded, &g_buffer, count))?;
 
     let of_part = |number: usize| {
@@ -113,6 +124,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     };
     let against = (&truth, exposure);
     let shaded = [rendering.samples(), rendering.shaded()];
+    let without_texture_bandwidth = ignored.map(|(rendering, seconds)| {
+        let shaded = [rendering.samples(), rendering.shaded()];
+        Shading::new(&rendering.image, shaded, surface_points, seconds, against)
+    });
     let of_forward = [surface_points * u64::from(count), surface_points];
     let rates = arguments.adaptive.rates.as_ref().map(|_| {
         let tile = arguments.adaptive.rate_tile.unwrap_or(TILE);
@@ -127,6 +142,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         exposure,
         adapter: gpu.description().clone(),
         parts: setup.parts(of_part),
+        textures: textures.report(&setup),
+        without_texture_bandwidth,
         environment: [setup.scene.environment.width, setup.scene.environment.height],
         settings: (&settings).into(),
         adaptive: Shading::new(&rendering.image, shaded, surface_points, seconds, against),
@@ -255,7 +272,12 @@ fn text(v: &AdaptiveVerification) -> String {
     for part in &v.parts {
         text += &format!("{}: {}, {}\n", part.part, part.material, crate::table::bytes(part.bytes_on_gpu));
     }
-    let rows = [("adaptive", &v.adaptive), ("forward", &v.forward)].map(|(name, shading)| {
+    for PartTextureReport { part, texture, metres: [width, height], repeats: [u, v] } in &v.textures {
+        text += &format!("{part}: texture {texture}, {width} m x {height} m, {u} x {v} times per unit of uv\n");
+    }
+    let ignored = v.without_texture_bandwidth.iter().map(|shading| ("adaptive, t = 0", shading));
+    let shadings = [("adaptive", &v.adaptive)].into_iter().chain(ignored).chain([("forward", &v.forward)]);
+    let rows = shadings.map(|(name, shading)| {
         [
             name.to_owned(),
             shading.samples.to_string(),

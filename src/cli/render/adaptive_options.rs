@@ -27,6 +27,13 @@ pub(super) struct AdaptiveOptions {
     /// manifest; for lobes and with --adaptive, otherwise the scene's sky.)
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<Input>,
+    /// Texture that multiplies the materials of all parts, instead of the textures of a manifest's uses: .png or .jpg. It
+    /// repeats, at whole numbers per unit of the parts' uv.
+    #[arg(long, value_name = "IMAGE", requires = "adaptive")]
+    pub(super) texture: Option<Input>,
+    /// Width and height of the texture in metres, such as 0.3x0.2, each 1e-6 to 1e6. One unit of the scene is a metre.
+    #[arg(long, value_name = "WxH", requires = "texture", allow_hyphen_values = true)]
+    pub(super) texture_size: Option<String>,
     /// Mean samples per pixel if all pixels were shaded, 0.01 to 1024 (default: 64). A shaded pixel gets 1 to 1024,
     /// more where bandwidth is higher.
     #[arg(long, value_name = "X", requires = "adaptive")]

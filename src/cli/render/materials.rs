@@ -143,7 +143,7 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             // Adaptive shading looks maps up, and other renderings lobes.
             let drawn = |job: Job| match arguments.adaptive.adaptive {
                 true => Job { lobes: None, ..job },
-                false => Job { maps: [false; 2], ..job },
+                false => Job { maps: [false; 2], texture: None, ..job },
             };
             let (jobs, environment) = (plan.jobs.into_iter().map(drawn).collect(), plan.environment);
             let packs = pack_folder(arguments)?.map(Box::new);
@@ -333,7 +333,7 @@ fn prepare_one(
     Ok((Prepared { name: name.to_owned(), pack, source, table, lobes, maps }, notes))
 }
 
-fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
+pub(super) fn job_of<'a>(jobs: &'a [Job], name: &str) -> &'a Job {
     jobs.iter().find(|job| job.name == name).expect("names are materials of the manifest")
 }
 

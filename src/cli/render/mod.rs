@@ -13,6 +13,7 @@ mod materials;
 mod outputs;
 mod pwt;
 mod scene;
+mod textures;
 
 pub use adaptive::Report as AdaptiveReport;
 pub use arguments::Arguments;
@@ -49,8 +50,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     graphics_environment::prepare();
     let started = Instant::now();
     let environment = arguments.adaptive.environment.as_ref();
-    let inputs =
-        [("INPUT", Some(&arguments.input)), ("--source", arguments.source.as_ref()), ("--environment", environment)];
+    let inputs = [
+        ("INPUT", Some(&arguments.input)),
+        ("--source", arguments.source.as_ref()),
+        ("--environment", environment),
+        ("--texture", arguments.adaptive.texture.as_ref()),
+    ];
     refuse_stdin_twice(&inputs)?;
     outputs::check(arguments)?;
     let gates = gates(arguments)?;

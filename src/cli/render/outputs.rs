@@ -42,8 +42,10 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Error> {
         let Some(path) = path else { continue };
         refuse_other_extension(flag, path, allowed)?;
         refuse_missing_folder(path)?;
-        let given = [Some(&arguments.input), arguments.source.as_ref(), arguments.adaptive.environment.as_ref()];
-        let inputs: Vec<&Path> = given.into_iter().flatten().filter_map(Input::path).collect();
+        let adaptive = &arguments.adaptive;
+        let lighting = [adaptive.environment.as_ref(), adaptive.texture.as_ref()];
+        let given = [Some(&arguments.input), arguments.source.as_ref()].into_iter().chain(lighting);
+        let inputs: Vec<&Path> = given.flatten().filter_map(Input::path).collect();
         refuse_overwriting(flag, path, &inputs)?;
     }
     Ok(())

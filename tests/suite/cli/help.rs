@@ -191,6 +191,7 @@ fn negative_numbers_are_values() {
                     "render",
                     "--budget" | "--caution" | "--bandwidth-directions" | "--antialias" | "--forward" | "--truth",
                 ) => &["--adaptive"],
+                ("render", "--texture-size") => &["--adaptive", "--texture", "h.png"],
                 _ => &[],
             };
             for value in ["-1", "-.5", "-1e3", "-5%", "-1x2"] {

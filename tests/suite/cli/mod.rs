@@ -32,6 +32,8 @@ mod render_assets;
 mod render_lobes;
 #[cfg(feature = "render")]
 mod render_packs;
+#[cfg(feature = "render")]
+mod render_textures;
 mod report;
 mod samples;
 mod schemas;

@@ -38,14 +38,21 @@ fn curvature_at(point: u32) -> f32 {
 
 // |Δn|² / |Δp|² of a step to a neighbour; -1 if the step leaves the surface.
 fn turn_squared(here: u32, there: u32) -> f32 {
+    let length_squared = step_squared(here, there);
+    if length_squared < 0.0 {
+        return -1.0;
+    }
+    let turned = normal_of(there) - normal_of(here);
+    return product(turned, turned) / length_squared;
+}
+
+// |Δp|² of a step to a neighbour, above 0; -1 if the step leaves the surface.
+fn step_squared(here: u32, there: u32) -> f32 {
     let step = position_of(there) - position_of(here);
-    let m = normal_of(here);
-    let n = normal_of(there);
     let length_squared = product(step, step);
-    let rise = product(step, m + n);
+    let rise = product(step, normal_of(here) + normal_of(there));
     if length_squared <= 0.0 || rise * rise > MAX_RISE_SQUARED * length_squared {
         return -1.0;
     }
-    let turned = n - m;
-    return product(turned, turned) / length_squared;
+    return length_squared;
 }

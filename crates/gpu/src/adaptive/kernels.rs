@@ -2,8 +2,8 @@
 
 use super::super::device::{Gpu, GpuError};
 use super::layouts::Layouts;
-use super::material::LoadedMaterial;
-use super::storage::LoadedGBuffer;
+use super::material::{self, LoadedMaterial};
+use super::storage::{JOB_WORDS, LoadedGBuffer};
 use std::borrow::Cow;
 use wgpu::{
     BindGroupLayout, ComputePassDescriptor, ComputePipeline, ComputePipelineDescriptor, PipelineLayoutDescriptor,
@@ -117,8 +117,10 @@ impl<'g> Kernels<'g> {
         [first, count]: [usize; 2],
         level: u32,
     ) {
-        let of_material = material.map_or([0; 4], |material| material.words);
-        let words = [[first as u32, count as u32, GROUP * ROW_OF_GROUPS, level], of_material];
+        let of_material = material.map_or([0; material::WORDS], |material| material.words);
+        let mut words = [0; JOB_WORDS];
+        words[..4].copy_from_slice(&[first as u32, count as u32, GROUP * ROW_OF_GROUPS, level]);
+        words[4..].copy_from_slice(&of_material);
         self.gpu.queue.write_buffer(&on.job, 0, bytemuck::cast_slice(&words));
         let groups = (count as u32).div_ceil(GROUP);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -9,8 +9,16 @@ use wgpu::{BindGroupLayout, BufferBindingType, ShaderStages};
 pub(super) const STORAGE_BUFFERS: u32 = 8;
 
 /// Bindings for importance samples and bandwidth maps, after the bindings of the pack decoders.
-const LOOKUPS: [(u32, wgpu::BindingType); 6] =
-    [(29, UNIFORM), (30, UNFILTERED), (31, UNIFORM), (32, UNFILTERED), (35, UNIFORM), (36, UNFILTERED)];
+const LOOKUPS: [(u32, wgpu::BindingType); 8] = [
+    (29, UNIFORM),
+    (30, UNFILTERED),
+    (31, UNIFORM),
+    (32, UNFILTERED),
+    (33, UNIFORM),
+    (34, UNFILTERED),
+    (35, UNIFORM),
+    (36, UNFILTERED),
+];
 
 /// Groups 0 to 2, in order, without gaps.
 pub(super) struct Layouts {
@@ -30,7 +38,7 @@ impl Layouts {
         let seen = [uniform, uniform, uniform, image, image, image];
         let points = group("points", &[&seen[..], &[storage; STORAGE_BUFFERS as usize]].concat());
         let packs = Slots::new(gpu, "packs", ShaderStages::COMPUTE, pack::slot_types().into_iter().chain(LOOKUPS));
-        let surroundings = group("surroundings", &[image, image]);
+        let surroundings = group("surroundings", &[image; 3]);
         Self { points, packs, surroundings }
     }
 }

@@ -5,3 +5,5 @@
 // radiance, bandwidth, squares of radiance, bandwidth times squares. These are not mip levels, since a software driver
 // returned texels of the wrong level where each invocation chose its own.
 @group(2) @binding(1) var light: texture_2d<f32>;
+// Colours of the material's texture and, below, their mipmap levels.
+@group(2) @binding(2) var texture_colours: texture_2d<f32>;

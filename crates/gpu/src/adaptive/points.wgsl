@@ -36,6 +36,11 @@ struct Material {
     albedo: f32,
     level: f32,                 // level of detail of the pack; negative: follows the distance
     hardware: u32,              // 1: the sampler filters the pack
+    texture_size: vec2<u32>,    // texels of the finest level
+    texture_levels: u32,        // 0: no texture
+    reserved: u32,
+    repeats: vec2<f32>,         // of the texture, per unit of u and v
+    metres: vec2<f32>,          // size of the texture
 }
 
 // Range of one dispatch: `count` items from `first` on, of a level or for a material where that matters. The material
@@ -97,6 +102,10 @@ fn part_of(point: u32) -> u32 {
 
 fn position_of(point: u32) -> vec3<f32> {
     return textureLoad(positions, place_of(point), 0).xyz;
+}
+
+fn uv_of(point: u32) -> vec2<f32> {
+    return vec2<f32>(textureLoad(normals, place_of(point), 0).w, textureLoad(tangents, place_of(point), 0).w);
 }
 
 fn normal_of(point: u32) -> vec3<f32> {

@@ -23,10 +23,12 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
     let corner = 4u * vec2<u32>((job.first + at) % columns, (job.first + at) / columns);
     var points: array<u32, 16>;
     var own: array<Share, 16>;
+    var textures: array<TexturePoint, 16>;
     for (var k = 0u; k < 16u; k += 1u) {
         points[k] = point_of_tile(corner, k);
         if points[k] != NONE {
-            own[k] = share_of(points[k], k);
+            textures[k] = texture_point(points[k]);
+            own[k] = share_of(points[k], k, textures[k].bandwidth);
         }
     }
     for (var k = 0u; k < 16u; k += 1u) {
@@ -46,12 +48,13 @@ fn predict(@builtin(global_invocation_id) id: vec3<u32>) {
         for (var step = 1u; step < 16u && count < 4u; step += 1u) {
             let next = (k + step) % 16u;
             if !is_same_piece(point, points[next]) {
-                all = joined(all, share_of(point, next));
+                all = joined(all, share_of(point, next, textures[k].bandwidth));
                 count += 1u;
             }
         }
         let angular = bandwidth_average_mean(all.average).angular;
-        let shown = job.material.albedo * bandwidth_variance_mean(all.variance);
+        let albedo = job.material.albedo * texture_luminance(textures[k].colour);
+        let shown = albedo * bandwidth_variance_mean(all.variance);
         let deviation = visible_deviation(bandwidth_variance_relative(all.variance, 0.0), shown);
         predicted[point] = vec4<f32>(rendering_bandwidth(angular), deviation, predicted[point].z, angular);
     }
@@ -74,8 +77,8 @@ fn is_same_piece(point: u32, other: u32) -> bool {
     return product(normal_of(point), normal_of(other)) >= SAME_PIECE;
 }
 
-// Evaluates a run of directions of a point.
-fn share_of(point: u32, number: u32) -> Share {
+// Evaluates a run of directions of a point, with the bandwidth of its texture.
+fn share_of(point: u32, number: u32, spatial: f32) -> Share {
     let frame = frame_of(point);
     let viewer = viewer_of(position_of(point));
     let bend = predicted[point].z;
@@ -93,7 +96,7 @@ fn share_of(point: u32, number: u32) -> Share {
         let solid_angle = drawn.inverse_density / f32(4u * run);
         let found = light_around(into_world(frame, drawn.incoming), solid_angle);
         let lobe = bandwidth_brdf_cells(bandwidth_cell(drawn.incoming), outgoing_cell);
-        let surface = BandwidthSurface(drawn.incoming.z, outgoing.z, bend, lobe, 0.0);
+        let surface = BandwidthSurface(drawn.incoming.z, outgoing.z, bend, lobe, spatial);
         let arrives = bandwidth_one_bounce(Bandwidth(0.0, found.y), 0.0, surface, viewer.w);
         let own = bandwidth_albedo(surface, viewer.w).angular;
         let shows = Bandwidth(arrives.spatial, max(arrives.angular, own));

@@ -30,7 +30,7 @@ fn shade_point(point: u32, first: u32, count: u32) -> vec3<f32> {
         let light = environment_at(into_world(frame, drawn.incoming));
         sum += (drawn.incoming.z * drawn.inverse_density) * (f_r * light);
     }
-    return sum;
+    return texture_point(point).colour * sum;
 }
 
 // A permutation of 32 bits (the finaliser of MurmurHash3 by Appleby).

@@ -16,11 +16,12 @@ pub struct AdaptiveShaders {
     pub steps: String,
 }
 
-const STEPS: [&str; 10] = [
+const STEPS: [&str; 11] = [
     include_str!("points.wgsl"),
     include_str!("material.wgsl"),
     include_str!("read_back.wgsl"),
     include_str!("curvature.wgsl"),
+    include_str!("texture.wgsl"),
     include_str!("predict.wgsl"),
     include_str!("rates.wgsl"),
     include_str!("pyramid.wgsl"),

@@ -12,6 +12,8 @@ use wgpu::{BindGroup, BindingResource, Buffer, BufferUsages};
 pub(super) const SLICES: usize = 1 << 19;
 /// Number of levels in the shader's `Rendering`.
 const MAX_LEVELS: usize = 20;
+/// 32-bit words of the shader's `Job`.
+pub(super) const JOB_WORDS: usize = 4 + super::material::WORDS;
 /// 32-bit words of the shader's `Settings`.
 pub(super) const SETTINGS_WORDS: usize = 12;
 /// Bytes of a vector of four 32-bit numbers.
@@ -101,7 +103,7 @@ pub(super) fn allocate(
     };
     let rendering = rendering_words(camera, frame, antialiasing_levels, size, &levels);
     let rendering = gpu.buffer(bytemuck::cast_slice(&rendering), BufferUsages::UNIFORM);
-    let (settings, job) = (uniform(SETTINGS_WORDS), uniform(8));
+    let (settings, job) = (uniform(SETTINGS_WORDS), uniform(JOB_WORDS));
     let uniforms = [&rendering, &settings, &job].map(Buffer::as_entire_binding);
     let seen = uniforms.into_iter().chain(target.views().map(BindingResource::TextureView));
     let points = (size[0] * size[1]) as u64;

@@ -2,6 +2,8 @@
 
 use brdfc_bandwidth::environment::environment_bandwidth;
 use brdfc_bandwidth::lobe::lobe_bandwidth;
+use brdfc_bandwidth::map::texture_map;
+use brdfc_bandwidth::texture::Placement;
 use brdfc_core::Source;
 use brdfc_core::address::parse_synth;
 use brdfc_formats::BrdfPack;
@@ -13,15 +15,18 @@ use brdfc_gpu::{AdaptiveRenderer, AdaptiveShaders, Decoding, GpuError, LoadedAda
 use brdfc_importance::{ImportanceRecipe, importance_samples};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::adaptive::{
-    self, AdaptiveMaterial, AdaptiveScene, DistantLight, Prediction, Pyramid, Settings, ShadedLevels, coarsest,
+    self, AdaptiveMaterial, AdaptiveScene, DistantLight, PartTexture, Prediction, Pyramid, Settings, ShadedLevels,
+    coarsest,
 };
 use brdfc_render::curvature::curvature;
 use brdfc_render::gbuffer::{BACKGROUND, GBuffer};
+use brdfc_render::mipmaps::Mipmaps;
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::Recipe;
+use std::f32::consts::TAU;
 use std::sync::LazyLock;
 use wgpu::naga;
 
@@ -78,6 +83,25 @@ struct World {
     light: DistantLight,
     reflectances: [PackReflectance; 2],
     decoding: Decoding,
+    /// Texture of the first material.
+    texture: Option<(Mipmaps, BandwidthMap)>,
+}
+
+/// Waves on a gradient in three colours, with sides that are no powers of two.
+fn texture() -> (Mipmaps, BandwidthMap) {
+    let (width, height) = (45, 30);
+    let pixel = |i: usize| {
+        let (u, v) = ((i % width) as f32 / width as f32, (i / width) as f32 / height as f32);
+        [
+            0.5 + 0.4 * (TAU * 3.0 * u).sin(),
+            0.2 + 0.6 * v,
+            if u < 0.3 { 0.9 } else { 0.5 - 0.3 * (TAU * 5.0 * v).cos() },
+        ]
+    };
+    let pixels: Vec<[f32; 3]> = (0..width * height).map(pixel).collect();
+    let placement = Placement { metres: [0.4, 0.3], tiles: true };
+    let map = texture_map(&pixels, width, placement, EPSILON).unwrap();
+    (Mipmaps::new(width, pixels), map)
 }
 
 impl World {
@@ -90,7 +114,11 @@ impl World {
         let map = BandwidthMap::new(header(BandwidthKind::Environment), size, &map.values).unwrap();
         let light = DistantLight::new(&scene.environment, map);
         let reflectances = [0, 1].map(|k| PackReflectance::new(&MATERIALS[k].pack, decoding));
-        Self { scene, light, reflectances, decoding }
+        Self { scene, light, reflectances, decoding, texture: None }
+    }
+
+    fn textured(builtin: Builtin, decoding: Decoding) -> Self {
+        Self { texture: Some(texture()), ..Self::new(builtin, decoding) }
     }
 
     fn with<T>(&self, run: impl FnOnce(&AdaptiveScene<'_>) -> T) -> T {
@@ -99,6 +127,11 @@ impl World {
             samples: &MATERIALS[k % 2].samples,
             bandwidth: &MATERIALS[k % 2].bandwidth,
             albedo: [0.5, 0.2][k % 2],
+            texture: self.texture.as_ref().filter(|_| k.is_multiple_of(2)).map(|(colours, bandwidth)| PartTexture {
+                colours,
+                bandwidth,
+                repeats: [12.0, 5.0],
+            }),
         };
         let materials: Vec<_> = (0..self.scene.parts.len()).map(material).collect();
         run(&AdaptiveScene { scene: &self.scene, light: &self.light, materials: &materials })
@@ -310,13 +343,15 @@ impl Differences {
 fn each_step_agrees_with_its_twin() {
     let Some(gpu) = crate::common::gpu() else { return };
     let renderer = AdaptiveRenderer::new(gpu).unwrap();
-    for (builtin, filter, antialiasing_levels) in [
-        (Builtin::BumpyBall, Filter::Slices, 0),
-        (Builtin::BumpyBall, Filter::Nearest, 1),
-        (Builtin::RibbedTorus, Filter::Bilinear, 0),
-        (Builtin::Table, Filter::Slices, 0),
+    for (builtin, filter, antialiasing_levels, textured) in [
+        (Builtin::BumpyBall, Filter::Slices, 0, false),
+        (Builtin::BumpyBall, Filter::Nearest, 1, true),
+        (Builtin::RibbedTorus, Filter::Bilinear, 0, false),
+        (Builtin::Table, Filter::Slices, 0, false),
+        (Builtin::Table, Filter::Slices, 0, true),
     ] {
-        let world = World::new(builtin, Decoding { filter, ..EXACT });
+        let make = if textured { World::textured } else { World::new };
+        let world = make(builtin, Decoding { filter, ..EXACT });
         let settings = Settings { antialiasing_levels, ..SETTINGS };
         let loaded = world.load(&renderer);
         let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, antialiasing_levels)).unwrap();
@@ -330,6 +365,23 @@ fn each_step_agrees_with_its_twin() {
     }
 }
 
+/// Small changes of the look-ups of textures, and the result that detects each.
+const TEXTURE_CHANGES: [(&str, &str, &str); 13] = [
+    ("outgoing.z, bend, lobe, spatial", "outgoing.z, bend, lobe, 0.0", "bandwidth"),
+    ("uv_of(point) * job.material.repeats", "uv_of(point)", "bandwidth"),
+    ("vec2<f32>(1.0, -1.0)", "vec2<f32>(1.0)", "forward"),
+    ("bandwidth_texture(place) * footprint.x", "bandwidth_texture(place)", "bandwidth"),
+    ("repetitions * job.material.metres", "repetitions", "bandwidth"),
+    ("turn - floor(turn + 0.5)", "turn", "levels"),
+    ("job.material.albedo * texture_luminance(textures[k].colour)", "job.material.albedo", "deviation"),
+    ("texture_point(point).colour * sum", "sum", "forward"),
+    ("texture_colour(place, footprint.y)", "texture_colour(place, 0.0)", "forward"),
+    ("texture_colour(place, footprint.y)", "texture_colour(place, 4.0 * footprint.y)", "forward"),
+    ("finer + share * (coarser - finer)", "finer", "forward"),
+    ("vec2<f32>(size) - 0.5", "vec2<f32>(size)", "forward"),
+    ("row += size.y", "row += size.x", "forward"),
+];
+
 /// Small changes of the shaders, and the result that detects each.
 const CHANGES: [(&str, &str, &str); 32] = [
     ("product(turned, turned) / length_squared", "product(turned, turned)", "curvature"),
@@ -341,8 +393,8 @@ const CHANGES: [(&str, &str, &str); 32] = [
     ("exponent >> 1u", "exponent", "deviation"),
     ("direction) >> vec2<u32>(level)", "direction)", "bandwidth"),
     ("(number + 1u) * run", "(number + 1u) * run - 1u", "bandwidth"),
-    ("own[k] = share_of(points[k], k)", "own[k] = share_of(points[k], 0u)", "bandwidth"),
-    ("joined(all, share_of(point, next))", "all", "deviation"),
+    ("share_of(points[k], k, textures", "share_of(points[k], 0u, textures", "bandwidth"),
+    ("joined(all, share_of(point, next, textures[k].bandwidth))", "all", "deviation"),
     ("job.material.albedo *", "0.4 *", "deviation"),
     ("rendering_bandwidth(settings.caution * predicted[point].w)", "rendering_bandwidth(predicted[point].w)", "levels"),
     ("rendering_bandwidth(settings.caution * predicted[point].w)", "settings.caution * predicted[point].x", "levels"),
@@ -368,22 +420,35 @@ const CHANGES: [(&str, &str, &str); 32] = [
 
 #[test]
 fn changed_shaders_are_detected() {
-    let Some(gpu) = crate::common::gpu() else { return };
     let mut world = World::new(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
     // From further away, so that there is more detail than pixels show.
     world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
+    assert_detected(&world, &CHANGES);
+}
+
+#[test]
+fn changed_textures_are_detected() {
+    let mut world = World::textured(Builtin::BumpyBall, Decoding { filter: Filter::Nearest, ..EXACT });
+    world.scene.camera.field_of_view = Builtin::BumpyBall.scene().camera.field_of_view;
+    // The seam of the coordinates in the middle.
+    world.scene.camera.eye = [4.4, 0.3, 1.2];
+    assert_detected(&world, &TEXTURE_CHANGES);
+}
+
+fn assert_detected(world: &World, changes: &[(&str, &str, &str)]) {
+    let Some(gpu) = crate::common::gpu() else { return };
     let settings = Settings { antialiasing_levels: 1, caution: 0.4, ..SETTINGS };
     let shaders = AdaptiveShaders::default();
     let renderer = AdaptiveRenderer::with_shaders(gpu, &shaders).unwrap();
     let loaded = world.load(&renderer);
-    let buffer = renderer.read(&g_buffer(&renderer, &loaded, &world, 1)).unwrap();
-    let expected = expected(&world, &buffer, &settings);
-    for (from, to, what) in CHANGES {
+    let buffer = renderer.read(&g_buffer(&renderer, &loaded, world, 1)).unwrap();
+    let expected = expected(world, &buffer, &settings);
+    for (from, to, what) in changes {
         assert_eq!(shaders.steps.matches(from).count(), 1, "{from}");
         let changed = AdaptiveShaders { steps: shaders.steps.replace(from, to), ..shaders.clone() };
         let renderer = AdaptiveRenderer::with_shaders(gpu, &changed).unwrap();
-        let found = differences(&renderer, &world, &settings, &expected);
-        assert!(found.beyond().contains(&what), "{from} -> {to}: {found:?}");
+        let found = differences(&renderer, world, &settings, &expected);
+        assert!(found.beyond().contains(what), "{from} -> {to}: {found:?}");
     }
 }
 

@@ -39,6 +39,11 @@ pub struct AdaptiveVerification {
     /// Rates for variable rate shading; absent without `--rates`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rates: Option<AdaptiveRates>,
+    /// Textures of parts.
+    pub textures: Vec<PartTextureReport>,
+    /// Cost and error of adaptive shading as if textures had no bandwidth, with the same settings; absent without textures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_texture_bandwidth: Option<Shading>,
     /// Cost and error of forward shading with the same number of samples for every point.
     pub forward: Shading,
     /// Samples per point of the ground truth.
@@ -71,6 +76,19 @@ impl From<&Settings> for AdaptiveSettings {
         let Settings { directions, samples, caution, fewest, most, .. } = *settings;
         Self { directions, budget: samples, caution, fewest, most }
     }
+}
+
+/// The texture of a part.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PartTextureReport {
+    /// Name of the part.
+    pub part: String,
+    /// Path of the image.
+    pub texture: String,
+    /// Width and height of the texture, metres.
+    pub metres: [f32; 2],
+    /// Repetitions per unit of u and v of the part.
+    pub repeats: [f32; 2],
 }
 
 /// A rate image; see [`RateImage`].

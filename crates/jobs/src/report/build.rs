@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::file_name::{folded, is_plain};
 use crate::scene::explain::Explained;
 use crate::scene::lobes::{self, LOBES, LobesReport};
-use crate::scene::maps::{ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, PARTS, part_name};
+use crate::scene::maps::{ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, PARTS, TEXTURE, part_name};
 use crate::scene::plan::{EnvironmentJob, Job, Plan, REPORT, list_name, pack_name};
 use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, PACK};
 use crate::scene::scene_section::ENVIRONMENT;
@@ -76,6 +76,10 @@ pub struct MaterialEntry {
     /// The importance samples, relative to the output folder; only if a use that an environment lights requests them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub samples: Option<String>,
+    /// The bandwidth map of the texture, relative to the output folder; only if a use that an environment lights requests
+    /// bandwidth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub texture: Option<String>,
     /// Files of the material with their hashes; none if the material failed, or was only planned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileEntry>,
@@ -115,7 +119,7 @@ impl MaterialEntry {
     /// The list of the material's parts; `None` if it failed, or was only planned.
     pub fn file(&self) -> Option<MaterialFile> {
         let [bandwidth, samples] = PARTS;
-        let maps = [(bandwidth, &self.bandwidth), (samples, &self.samples)];
+        let maps = [(bandwidth, &self.bandwidth), (samples, &self.samples), (TEXTURE, &self.texture)];
         let parts = [(PACK, &self.pack), (LOBES, &self.lobes)].into_iter().chain(maps);
         let parts = parts.filter_map(|(part, file)| Some((part.to_owned(), file.clone()?))).collect();
         let (material, report) = (self.material.clone(), self.report.clone()?);
@@ -223,8 +227,10 @@ impl BuildReport {
 
     /// Names of all files in the report.
     fn names(&self) -> impl Iterator<Item = &str> {
-        let parts =
-            self.materials.iter().flat_map(|entry| [&entry.pack, &entry.lobes, &entry.bandwidth, &entry.samples]);
+        let parts = self
+            .materials
+            .iter()
+            .flat_map(|entry| [&entry.pack, &entry.lobes, &entry.bandwidth, &entry.samples, &entry.texture]);
         let maps = self.environment.iter().flat_map(EnvironmentEntry::names);
         self.files().map(|entry| &entry.file).chain(parts.flatten()).chain(maps).map(String::as_str)
     }
@@ -351,7 +357,8 @@ fn files(job: &Job) -> MaterialEntry {
     let [bandwidth, samples] = [0, 1].map(|k| name(PARTS[k]).filter(|_| job.maps[k]));
     let (material, source, pack) = (job.name.clone(), job.declared.clone(), Some(pack_name(&job.name)));
     let lobes = job.lobes.and_then(|_| name(LOBES));
-    MaterialEntry { material, source, pack, lobes, bandwidth, samples, ..MaterialEntry::default() }
+    let texture = job.texture.as_ref().and_then(|_| name(TEXTURE));
+    MaterialEntry { material, source, pack, lobes, bandwidth, samples, texture, ..MaterialEntry::default() }
 }
 
 fn material_entry(job: &Job, outcome: &Outcome) -> MaterialEntry {

@@ -161,7 +161,9 @@ impl Manifest {
         let sources = used.map(|material| &material.source).filter(|source| address_of(source).is_none());
         // The environment is always a file, even if its name has wildcards.
         let environment = self.scene.environment.iter().map(|file| Named::new(folder.join(file), ""));
-        sources.map(|source| Named::new(folder, source)).chain(environment).collect()
+        let textures = self.uses.iter().filter_map(|used| used.texture.as_ref());
+        let textures = textures.map(|texture| Named::new(folder.join(texture.get_ref()), ""));
+        sources.map(|source| Named::new(folder, source)).chain(textures).chain(environment).collect()
     }
 
     /// Expands patterns: replaces each material whose source is a pattern with one material per matching file, and

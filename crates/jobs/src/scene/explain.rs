@@ -183,7 +183,8 @@ fn maps(job: &Job, plan: &Plan, means: [Option<Mean>; 3]) -> Option<Explained> {
     }
     let requested = [job.lobes.is_some(), job.maps[0], job.maps[1]];
     let named = ["lobes", "a bandwidth map", "importance samples"].into_iter().zip(requested);
-    let named: Vec<&str> = named.filter_map(|(name, requested)| requested.then_some(name)).collect();
+    let texture = job.texture.iter().map(|_| "a bandwidth map of the texture");
+    let named: Vec<&str> = named.filter_map(|(name, requested)| requested.then_some(name)).chain(texture).collect();
     let need = if named.is_empty() { "no lobes and no maps".to_owned() } else { named.join(", ") };
     let why = match job.needs.lit_by_environment {
         false => "point lights only",

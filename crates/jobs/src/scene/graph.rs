@@ -29,7 +29,7 @@ pub struct GraphJob {
     /// Part that the job makes: `brdf` is the pack, `lobes` are the lobes, `maps` are the bandwidth map and the samples, or the
     /// maps of the environment.
     pub part: String,
-    /// Paths of the files that the job reads: the manifest and the source.
+    /// Paths of the files that the job reads: the manifest, the source and a texture.
     pub inputs: Vec<String>,
     /// Command line: the program, then its arguments.
     pub command: Vec<String>,
@@ -75,11 +75,12 @@ impl Graph {
         let manifest = places.manifest.as_ref().map(|path| path.display().to_string());
         let jobs = plan.works().into_iter().map(|work| {
             let name = work.name();
-            let source = Some(work.source()).filter(|source| Path::new(source).exists());
+            let sources = [Some(work.source()), work.texture()].into_iter().flatten();
+            let sources = sources.filter(|source| Path::new(source).exists());
             GraphJob {
                 material: work.material().map(str::to_owned),
                 part: work.part().to_owned(),
-                inputs: manifest.clone().into_iter().chain(source).collect(),
+                inputs: manifest.clone().into_iter().chain(sources).collect(),
                 command: build(&["--only", &name, "--stamp", &stamp(&name), "--quiet"]),
                 stamp: stamp(&name),
                 name,

@@ -10,6 +10,7 @@ use super::place::{Place, line_of_key, snippet};
 use super::render_section::{RENDER_KEYS, RenderSection};
 use super::scene_section::{SCENE_KEYS, SceneSection};
 use super::shapes::{self, Key, Shape, key};
+use super::textures;
 use super::uses::USE_KEYS;
 use crate::encode::OptionError;
 use crate::encode::{EncodeOptions, PackRecipe, codec_names, range_of};
@@ -203,6 +204,8 @@ impl Manifest {
                 return Err(ManifestError { suggestion: near_miss(name, &known), ..error });
             }
             used.check(number, text, self.scene.environment.is_some())?;
+            let earlier = self.uses[..number].iter().position(|other| other.material.get_ref() == name);
+            textures::check(used, number, text, earlier.map(|first| (first, &self.uses[first])))?;
         }
         Ok(())
     }

@@ -38,7 +38,7 @@ pub struct Packed<T> {
 }
 
 impl<T> Packed<T> {
-    fn new(bytes: &[u8], facts: T) -> Self {
+    pub(super) fn new(bytes: &[u8], facts: T) -> Self {
         Self { bytes_on_disk: bytes.len() as u64, facts }
     }
 }
@@ -52,18 +52,29 @@ pub struct MapsReport {
     pub bandwidth: Option<Packed<BandwidthFacts>>,
     /// Importance samples of the lobes; absent if the scene does not need them.
     pub samples: Option<Packed<ImportanceFacts>>,
+    /// Bandwidth map of the texture; absent if the scene does not need it.
+    pub texture: Option<Packed<BandwidthFacts>>,
     /// Repairs made while the maps and lobes were computed.
     #[serde(rename = "repaired")]
     pub repairs: Tally,
 }
 
 impl MapsReport {
-    /// Report of lobes and other maps; `None` if there are none.
-    pub fn of(lobes: Option<(LobesReport, Tally)>, maps: Option<Self>) -> Option<Self> {
-        let Some((lobes, repairs)) = lobes else { return maps };
+    /// Report of lobes, other maps, and the map of a texture; `None` if there are none.
+    pub fn of(
+        lobes: Option<(LobesReport, Tally)>,
+        maps: Option<Self>,
+        texture: Option<Packed<BandwidthFacts>>,
+    ) -> Option<Self> {
+        if lobes.is_none() && texture.is_none() {
+            return maps;
+        }
         let mut report = maps.unwrap_or_default();
-        report.lobes = Some(lobes);
-        report.repairs += repairs;
+        if let Some((lobes, repairs)) = lobes {
+            report.lobes = Some(lobes);
+            report.repairs += repairs;
+        }
+        report.texture = texture;
         Some(report)
     }
 }
@@ -95,6 +106,8 @@ impl EnvironmentMaps {
 
 /// Names of the maps for adaptive shading among the parts of a material.
 pub const PARTS: [&str; 2] = ["bandwidth", "samples"];
+/// Name of the bandwidth map of a texture among the parts of a material, and key of the texture of a use.
+pub const TEXTURE: &str = "texture";
 /// Names of the maps of the environment.
 pub const ENVIRONMENT_PARTS: [&str; 2] = ["prefiltered", "bandwidth"];
 

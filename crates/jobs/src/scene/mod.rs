@@ -22,6 +22,7 @@ pub mod render_section;
 pub mod run;
 pub mod scene_section;
 mod shapes;
+pub mod textures;
 pub mod uses;
 mod verdict;
 pub mod watch;

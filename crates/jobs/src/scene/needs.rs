@@ -27,6 +27,8 @@ pub struct Needs {
     pub bandwidth: bool,
     /// True if it needs importance samples.
     pub samples: bool,
+    /// True if it needs the bandwidth map of its texture.
+    pub texture: bool,
 }
 
 impl Needs {
@@ -54,6 +56,7 @@ impl Needs {
             lobes,
             bandwidth,
             samples,
+            texture: bandwidth && used.texture.is_some(),
         }
     }
 
@@ -68,6 +71,7 @@ impl Needs {
             lobes: self.lobes || other.lobes,
             bandwidth: self.bandwidth || other.bandwidth,
             samples: self.samples || other.samples,
+            texture: self.texture || other.texture,
         }
     }
 }

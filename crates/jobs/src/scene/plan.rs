@@ -4,9 +4,10 @@ use super::batch::address_of;
 use super::gates::Gates;
 use super::lobes::{LOBES, with_hint};
 use super::manifest::Manifest;
-use super::maps::{ENVIRONMENT_PARTS, PARTS, RequestedMaps, part_name, requested_parts};
+use super::maps::{ENVIRONMENT_PARTS, PARTS, RequestedMaps, TEXTURE, part_name, requested_parts};
 use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
+use super::textures::TextureJob;
 use super::uses::Use;
 use crate::encode::{OptionError, PackRecipe, options_over};
 use crate::error::Error;
@@ -35,6 +36,8 @@ pub struct Job {
     pub lobes: Option<LobesRecipe>,
     /// The maps for adaptive shading that it needs.
     pub maps: RequestedMaps,
+    /// The texture whose bandwidth map it needs; `None` if it needs none.
+    pub texture: Option<TextureJob>,
     /// Limits that the finished pack has to meet.
     pub gates: Gates,
     /// Needs of the scene.
@@ -47,12 +50,21 @@ impl Job {
     /// Returns true if both jobs have the same source, settings, recipes and maps.
     pub(super) fn is_same_work(&self, other: &Self) -> bool {
         let of = |job: &Self| (job.reading, job.lobes, job.maps);
-        self.input == other.input && self.recipe == other.recipe && of(self) == of(other)
+        self.input == other.input
+            && self.recipe == other.recipe
+            && of(self) == of(other)
+            && self.texture == other.texture
     }
 
     /// Names of its lobes and maps among its parts, in the order of its files.
     pub fn lighting_parts(&self) -> impl Iterator<Item = &'static str> {
-        self.lobes.map(|_| LOBES).into_iter().chain(requested_parts(PARTS, self.maps))
+        let texture = self.texture.iter().map(|_| TEXTURE);
+        self.lobes.map(|_| LOBES).into_iter().chain(requested_parts(PARTS, self.maps)).chain(texture)
+    }
+
+    /// Returns true if it needs any of the maps for adaptive shading.
+    pub(super) fn has_maps(&self) -> bool {
+        self.maps != [false; 2] || self.texture.is_some()
     }
 }
 
@@ -103,7 +115,8 @@ impl Plan {
     /// Paths of all sources that are files.
     pub fn sources(&self) -> impl Iterator<Item = &Path> {
         let environment = self.environment.iter().map(|job| job.path.as_path());
-        self.jobs.iter().filter_map(|job| job.input.path()).chain(environment)
+        let textures = self.jobs.iter().filter_map(|job| Some(job.texture.as_ref()?.path.as_path()));
+        self.jobs.iter().filter_map(|job| job.input.path()).chain(textures).chain(environment)
     }
 
     /// Names of the files that a build writes into its output folder.
@@ -180,6 +193,8 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             Some(address) => Input::Address(address.to_owned()),
             None => Input::File(folder.join(&material.source)),
         };
+        let uses = uses.remove(name.as_str()).unwrap_or_default();
+        let texture = uses.iter().find_map(|(_, used)| TextureJob::of(used, folder)).filter(|_| need.texture);
         plan.jobs.push(Job {
             name: name.clone(),
             declared: material.source.display().to_string(),
@@ -189,9 +204,10 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             recipe,
             lobes: need.lobes.then_some(lobes),
             maps: [need.bandwidth, need.samples],
+            texture,
             gates,
             needs: *need,
-            uses: uses.remove(name.as_str()).unwrap_or_default(),
+            uses,
         });
     }
     Ok(plan)

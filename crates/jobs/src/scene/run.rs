@@ -7,22 +7,25 @@ use super::gates;
 use super::grid_cache::StoreGridCache;
 use super::lobes::{LOBES, LobesReport, material_lobes};
 use super::maps::{
-    ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, RequestedMaps, environment_maps, map_recipe, material_maps,
-    requested_parts,
+    ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, Packed, RequestedMaps, TEXTURE, environment_maps, map_recipe,
+    material_maps, requested_parts,
 };
 use super::memory::{self, Shared};
 use super::plan::{EnvironmentJob, Job, Plan};
 use super::scene_section::ENVIRONMENT;
+use super::textures::TextureJob;
 use crate::encode::{PackRecipe, encode_cached};
 use crate::report::gate::GateResult;
 use crate::report::material::{MaterialReport, StageTime};
 use crate::stage_clock::StageClock;
 use crate::store::{Cached, Digest, HashingObserver, Key, Stamp, Store};
 use brdfc_bandwidth::DEFAULT_EPSILON;
+use brdfc_bandwidth::facts::BandwidthFacts;
 use brdfc_core::Tally;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_lobes::LobesRecipe;
 use brdfc_source::open::{Facts, Opened, open, open_file_observed};
+use brdfc_source::tile_image::open_colours_observed;
 use brdfc_source::{Input, InputError, Reading};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -199,6 +202,7 @@ struct CachedMaterial {
     pack: Option<Cached<PackNote>>,
     lobes: Option<Cached<LobesNote>>,
     maps: Option<Cached<MapsReport>>,
+    texture: Option<Cached<Packed<BandwidthFacts>>>,
 }
 
 /// The requested parts of a material.
@@ -221,6 +225,7 @@ impl CachedMaterial {
     fn has(&self, job: &Job, requested: RequestedParts) -> bool {
         let lobes = self.lobes.is_some() || job.lobes.is_none();
         let maps = self.maps.is_some() || job.maps == [false; 2];
+        let maps = maps && (self.texture.is_some() || job.texture.is_none());
         (self.pack.is_some() || !requested.pack) && (lobes || !requested.lobes) && (maps || !requested.maps)
     }
 }
@@ -307,17 +312,26 @@ impl BuildContext<'_> {
         if cached.has(job, requested) {
             return Ok((cached, true));
         }
+        let mut all_cached = true;
         let source = values_of(source, job.reading);
         if requested.pack && cached.pack.is_none() {
             cached.pack = Some(self.make_pack(&opened, source, &job.recipe, clock)?);
+            all_cached = false;
         }
         if let Some(recipe) = job.lobes.filter(|_| requested.lobes && cached.lobes.is_none()) {
             cached.lobes = Some(self.make_lobes(&opened, source, &recipe, clock)?);
+            all_cached = false;
         }
         if requested.maps && job.maps != [false; 2] && cached.maps.is_none() {
             cached.maps = Some(self.make_maps(&opened, source, job.maps, clock)?);
+            all_cached = false;
         }
-        Ok((cached, false))
+        if let Some(texture) = job.texture.as_ref().filter(|_| requested.maps && cached.texture.is_none()) {
+            let (map, is_cached) = self.texture(texture, clock)?;
+            cached.texture = Some(map);
+            all_cached &= is_cached;
+        }
+        Ok((cached, all_cached))
     }
 
     fn look_up(&self, job: &Job, source: Digest) -> CachedMaterial {
@@ -328,6 +342,9 @@ impl BuildContext<'_> {
             pack: store.look_up(&pack_key(values, &job.recipe), placed),
             lobes: job.lobes.and_then(|recipe| store.look_up(&lobes_key(values, &recipe), placed)),
             maps: if has_maps { store.look_up(&maps_key(values, job.maps), placed) } else { None },
+            texture: job.texture.as_ref().and_then(|texture| {
+                store.look_up(&Key::new(TEXTURE, store.known(&texture.path)?, &texture.recipe()), placed)
+            }),
         }
     }
 
@@ -380,6 +397,29 @@ impl BuildContext<'_> {
         let _ = clock.stage(Stage::Write, 1);
         let files = self.store.keep(maps_key(source, requested), &files, &report).map_err(JobError::Store)?;
         Ok(Cached { report, files })
+    }
+
+    /// Reads a texture, and returns its map from the store or makes it. Also returns true if it was in the store.
+    fn texture(
+        &self,
+        job: &TextureJob,
+        clock: &StageClock<'_>,
+    ) -> Result<(Cached<Packed<BandwidthFacts>>, bool), JobError> {
+        let path = job.path.as_path();
+        let extension = extension_of(path);
+        let mut observer = HashingObserver::new(&extension, memory::longest_source(&extension, self.memory));
+        let image = open_colours_observed(path, &mut observer)?;
+        let (digest, stamp) = observer.finish().map_err(|error| InputError::io(path, error))?;
+        self.remember(path, digest, stamp);
+        let key = || Key::new(TEXTURE, digest, &job.recipe());
+        if let Some(cached) = self.store.look_up(&key(), self.placed) {
+            return Ok((cached, true));
+        }
+        clock.stage(Stage::BandwidthMap, 1)?;
+        let (bytes, report) = job.map(&image).map_err(JobError::Map)?;
+        let _ = clock.stage(Stage::Write, 1);
+        let files = self.store.keep(key(), &[bytes], &report).map_err(JobError::Store)?;
+        Ok((Cached { report, files }, false))
     }
 
     /// Returns the maps of the environment from the store, or makes them.
@@ -462,8 +502,9 @@ fn made_from_cache(job: &Job, cached: CachedMaterial, times: Option<Vec<StageTim
     let mut files = vec![(PACK, pack.files[0])];
     let lobes = cached.lobes.map_or((None, Vec::new()), |lobes| (Some(lobes.report), lobes.files));
     let maps = cached.maps.map_or((None, Vec::new()), |maps| (Some(maps.report), maps.files));
-    files.extend(job.lighting_parts().zip(lobes.1.into_iter().chain(maps.1)));
-    let maps = MapsReport::of(lobes.0, maps.0);
+    let texture = cached.texture.map_or((None, Vec::new()), |texture| (Some(texture.report), texture.files));
+    files.extend(job.lighting_parts().zip(lobes.1.into_iter().chain(maps.1).chain(texture.1)));
+    let maps = MapsReport::of(lobes.0, maps.0, texture.0);
     let (report, pack_times) = pack.report;
     let gates = gates::check(&job.gates, &report);
     Made { report, maps, source: cached.source, gates, files, times, pack_times }

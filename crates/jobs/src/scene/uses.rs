@@ -1,5 +1,6 @@
 //! The `[[uses]]` tables of a manifest: objects with a material, their distances, directions and lighting.
 
+use super::maps::TEXTURE;
 use super::place::{ManifestError, line_of};
 use super::shapes::{Key, Shape, key, required};
 use brdfc_core::words::{format_number, one_of, quoted};
@@ -28,6 +29,10 @@ pub struct Use {
     pub lighting: Option<Spanned<Vec<String>>>,
     /// Requested maps if an environment lights the object: `lobes`, `bandwidth`, `samples`. Absent: lobes.
     pub maps: Option<Spanned<Vec<String>>>,
+    /// Image by which the material is multiplied, a PNG or JPEG that repeats. All uses of a material have the same one.
+    pub texture: Option<Spanned<String>>,
+    /// Width and height of the texture in metres.
+    pub texture_size: Option<Spanned<[f64; 2]>>,
 }
 
 /// Keys of `[[uses]]`.
@@ -40,10 +45,14 @@ pub(super) const USE_KEYS: &[Key] = &[
     key("view_elevation", Shape::Numbers(2), ELEVATIONS),
     key("lighting", Shape::Texts, "points, environment"),
     key("maps", Shape::Texts, "lobes, bandwidth, samples"),
+    key(TEXTURE, Shape::Text, "a .png or .jpg"),
+    key("texture_size", Shape::Numbers(2), TEXTURE_SIZES),
 ];
 // Ranges, for messages.
 const DISTANCES: &str = "a distance, 0 or more";
 const ELEVATIONS: &str = "[from, to], 0 to 90 degrees above the surface, 5 apart or more";
+/// Range of a texture's size, for messages.
+pub(super) const TEXTURE_SIZES: &str = "[width, height] of the texture in metres, 1e-6 to 1e6";
 const LIGHTING: [&str; 2] = ["points", "environment"];
 const MAPS: [&str; 3] = ["lobes", "bandwidth", "samples"];
 /// Requested maps by default. The others are for adaptive shading.
@@ -63,6 +72,8 @@ impl Use {
             view_elevation: None,
             lighting: None,
             maps: None,
+            texture: None,
+            texture_size: None,
         }
     }
 

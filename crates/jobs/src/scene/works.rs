@@ -45,6 +45,12 @@ impl Work<'_> {
         }
     }
 
+    /// Path of the texture that it reads besides the source.
+    pub fn texture(&self) -> Option<String> {
+        let Self::Maps(job) = self else { return None };
+        job.texture.as_ref().map(|texture| texture.path.display().to_string())
+    }
+
     /// Name of the material; `None` for the environment.
     pub fn material(&self) -> Option<&str> {
         match self {
@@ -74,7 +80,7 @@ impl Plan {
             }
             works.push(Work::Pack(job));
             works.extend(job.lobes.map(|_| Work::Lobes(job)));
-            works.extend((job.maps != [false; 2]).then_some(Work::Maps(job)));
+            works.extend(job.has_maps().then_some(Work::Maps(job)));
         }
         works
     }

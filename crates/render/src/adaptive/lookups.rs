@@ -56,9 +56,15 @@ impl Lookups {
         Ok(Self { bandwidth, samples, distributions, albedo })
     }
 
-    /// An adaptive material with this `f_r`.
+    /// An adaptive material with this `f_r` and no texture.
     pub fn material<'a>(&'a self, reflectance: &'a dyn Reflectance) -> AdaptiveMaterial<'a> {
-        AdaptiveMaterial { reflectance, samples: &self.samples, bandwidth: &self.bandwidth, albedo: self.albedo }
+        AdaptiveMaterial {
+            reflectance,
+            samples: &self.samples,
+            bandwidth: &self.bandwidth,
+            albedo: self.albedo,
+            texture: None,
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Input of adaptive shading: a scene with its look-ups, and the settings of cost and quality.
 
 use super::light::DistantLight;
+use super::texture::{PartTexture, TexturePoint};
+use crate::gbuffer::GBuffer;
 use crate::scene::Scene;
 use crate::shade::Reflectance;
 use brdfc_formats::bandwidth::BandwidthMap;
@@ -17,6 +19,8 @@ pub struct AdaptiveMaterial<'a> {
     pub bandwidth: &'a BandwidthMap,
     /// Approximate luminance of its albedo: its brightness compared with the other materials.
     pub albedo: f32,
+    /// Texture by which its values are multiplied.
+    pub texture: Option<PartTexture<'a>>,
 }
 
 /// A scene with all look-ups of adaptive shading.
@@ -28,6 +32,14 @@ pub struct AdaptiveScene<'a> {
     pub light: &'a DistantLight,
     /// One material for each part.
     pub materials: &'a [AdaptiveMaterial<'a>],
+}
+
+impl AdaptiveScene<'_> {
+    /// The texture at a point of the buffer; of one colour, white, if its part has none.
+    pub fn texture_at(&self, buffer: &GBuffer, point: usize) -> TexturePoint {
+        let texture = buffer.part_at(point).and_then(|part| self.materials[part].texture);
+        texture.map_or(TexturePoint::PLAIN, |texture| texture.point(buffer, point))
+    }
 }
 
 /// Cost and quality of adaptive shading.

@@ -43,7 +43,7 @@ pub(super) fn by_samples(
         let weight = incoming[2] * inverse_density;
         (0..3).for_each(|k| sum[k] += weight * (f_r[k] * light[k]) as f32);
     }
-    sum.map(|s| s / count.max(1) as f32)
+    scene.texture_at(buffer, pixel).tinted(sum.map(|s| s / count.max(1) as f32))
 }
 
 /// Renders forward: shades every point of the buffer with the same number of samples.

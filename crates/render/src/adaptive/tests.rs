@@ -1,14 +1,17 @@
 //! Known answers of adaptive shading, and the samples that it saves.
 
 use super::*;
+use crate::mipmaps::Mipmaps;
 use crate::scene::{Environment, Scene};
 use crate::scenes::Builtin;
 use crate::shade::SourceReflectance;
 use brdfc_bandwidth::DEFAULT_EPSILON;
-use brdfc_bandwidth::map::environment_map;
+use brdfc_bandwidth::map::{environment_map, texture_map};
+use brdfc_bandwidth::texture::Placement;
 use brdfc_core::Source;
 use brdfc_core::address::parse_synth;
 use brdfc_environment::prefilter;
+use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::environment::EnvironmentDecoder;
 use brdfc_metrics::image::{luminance, signal_to_noise};
 use std::f64::consts::{PI, TAU};
@@ -117,6 +120,59 @@ fn a_fraction_of_the_samples_gives_the_same_error() {
         // The control: levels far too coarse.
         let careless = draw(scene, FRAME, &buffer, &Settings { samples: 64.0, caution: 1e-3, ..Settings::default() });
         assert!(psnr(&careless.image) < ours - 1.0, "{} {ours}", psnr(&careless.image));
+    });
+}
+
+/// A checkerboard of 8 x 8 squares of 16 texels.
+fn checkerboard() -> Vec<[f32; 3]> {
+    (0..128 * 128).map(|i| if (i / 16 + i / (128 * 16)) % 2 == 0 { [0.9, 0.8, 0.7] } else { [0.1, 0.2, 0.1] }).collect()
+}
+
+/// A matte ball: the texture alone decides where pixels are shaded. The control is the same texture with a bandwidth of 0.
+#[test]
+fn the_bandwidth_of_a_texture_keeps_its_edges() {
+    let prepared = prepared("synth:lambert?kd=0.7", Builtin::Sphere, windows());
+    let buffer = prepared.buffer(FRAME);
+    let placement = Placement { metres: [0.5; 2], tiles: true };
+    let map = texture_map(&checkerboard(), 128, placement, DEFAULT_EPSILON).unwrap();
+    let none = BandwidthMap::new(*map.header(), map.size(), &vec![0.0; map.values().len()]).unwrap();
+    let colours = Mipmaps::new(128, checkerboard());
+    let repeats = repeats(&prepared.scene.parts[0].mesh, [4.0; 2]).unwrap();
+    prepared.with(|scene| {
+        let textured = |bandwidth| {
+            let texture = Some(PartTexture { colours: &colours, bandwidth, repeats });
+            let materials: Vec<_> =
+                scene.materials.iter().map(|material| AdaptiveMaterial { texture, ..*material }).collect();
+            let scene = AdaptiveScene { materials: &materials, ..*scene };
+            let truth = prepared.truth(&scene, FRAME, &buffer, 256);
+            let rendering = draw(&scene, FRAME, &buffer, &Settings { samples: 64.0, ..Settings::default() });
+            (signal_to_noise(&rendering.image, &truth, 1.0).psnr.unwrap(), rendering.shaded())
+        };
+        let (with, without) = (textured(&map), textured(&none));
+        assert!(with.0 > without.0 + 6.0 && with.1 > 2 * without.1, "{with:?} {without:?}");
+    });
+}
+
+/// In constant light, a matte surface with a texture of one colour is that colour, without any bandwidth.
+#[test]
+fn a_texture_of_one_colour_multiplies_the_material() {
+    let prepared = prepared("synth:lambert?kd=0.6", Builtin::Sphere, environment(|_, _| 1.0));
+    let buffer = prepared.buffer(FRAME);
+    let colour = [0.5f32, 0.25, 1.0];
+    let placement = Placement { metres: [0.5; 2], tiles: true };
+    let map = texture_map(&[colour; 12], 4, placement, DEFAULT_EPSILON).unwrap();
+    let colours = Mipmaps::new(4, vec![colour; 12]);
+    prepared.with(|scene| {
+        let texture = Some(PartTexture { colours: &colours, bandwidth: &map, repeats: [3.0, 2.0] });
+        let materials: Vec<_> =
+            scene.materials.iter().map(|material| AdaptiveMaterial { texture, ..*material }).collect();
+        let textured = AdaptiveScene { materials: &materials, ..*scene };
+        let [plain, tinted] = [scene, &textured].map(|scene| draw(scene, FRAME, &buffer, &Settings::default()));
+        assert_eq!(plain.prediction.level, tinted.prediction.level);
+        let [plain, tinted] = [scene, &textured].map(|scene| forward(scene, FRAME, &buffer, 4));
+        for (a, b) in plain.pixels.iter().zip(&tinted.pixels) {
+            (0..3).for_each(|k| assert!((a[k] * colour[k] - b[k]).abs() < 1e-6, "{a:?} {b:?}"));
+        }
     });
 }
 

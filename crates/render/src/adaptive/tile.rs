@@ -6,7 +6,7 @@
 //! four points are alike, a point looks along the next runs itself, and the average is over `n_b`. Bandwidth follows
 //! the mean curvature of the points that are alike.
 
-use super::{AdaptiveScene, Settings};
+use super::{AdaptiveScene, Settings, TexturePoint};
 use crate::gbuffer::GBuffer;
 use brdfc_formats::bandwidth::brdf_cell;
 use brdfc_formats::bandwidth::propagation::{
@@ -32,8 +32,10 @@ pub(super) fn bandwidth_and_deviation(
     curvature: &[f32],
     settings: &Settings,
 ) -> (Vec<f32>, Vec<f32>) {
-    let tile =
-        Tile { scene, buffer, curvature, run: settings.directions.clamp(1, MAX_DIRECTIONS).div_ceil(ENOUGH as u32) };
+    let textures: Vec<_> =
+        (0..buffer.part.len()).into_par_iter().map(|point| scene.texture_at(buffer, point)).collect();
+    let run = settings.directions.clamp(1, MAX_DIRECTIONS).div_ceil(ENOUGH as u32);
+    let tile = Tile { scene, buffer, curvature, textures: &textures, run };
     let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
     // Each row of tiles is a task.
     let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
@@ -51,7 +53,8 @@ pub(super) fn bandwidth_and_deviation(
             for (k, alike) in alike.into_iter().enumerate() {
                 let Some(point) = points[k] else { continue };
                 let all = tile.joined((k, point), &shares, alike);
-                let luminance = scene.materials[tile.part(point)].albedo * all.variance.mean();
+                let albedo = scene.materials[tile.part(point)].albedo * textures[point].luminance();
+                let luminance = albedo * all.variance.mean();
                 angular[point - first] = all.average.mean().angular;
                 deviations[point - first] = visible_deviation(all.variance.relative(0.0), luminance, settings.white);
             }
@@ -77,6 +80,7 @@ struct Tile<'a> {
     scene: &'a AdaptiveScene<'a>,
     buffer: &'a GBuffer,
     curvature: &'a [f32],
+    textures: &'a [TexturePoint],
     /// Number of directions per point.
     run: u32,
 }
@@ -152,7 +156,7 @@ impl Tile<'_> {
                 cos_outgoing: outgoing[2],
                 curvature: self.curvature[point],
                 lobe: material.bandwidth.brdf_cells(incoming_cell, outgoing_cell),
-                texture: 0.0,
+                texture: self.textures[point].bandwidth,
             };
             let arrives = Bandwidth::distant(light.bandwidth).one_bounce(0.0, surface, self.buffer.distance[point]);
             let own = surface.albedo(self.buffer.distance[point]).angular;

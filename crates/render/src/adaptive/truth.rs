@@ -72,7 +72,9 @@ pub fn ground_truth(
         let sampler = BalancedSampler { first: &lobe, second: &light };
         let material = scene.materials[part].reflectance;
         let estimate = reflected(&point, &scene.scene.environment, material, &sampler, samples);
-        (estimate.radiance.map(|c| c as f32), estimate.error.map(|c| c as f32))
+        let texture = scene.texture_at(buffer, pixel);
+        let tinted = |value: [f64; 3]| texture.tinted(value.map(|c| c as f32));
+        (tinted(estimate.radiance), tinted(estimate.error))
     };
     let (radiance, error): (Vec<_>, Vec<_>) = (0..buffer.part.len()).into_par_iter().map(one).unzip();
     let image = |values: &[[f32; 3]]| resolve(scene.scene, frame, buffer, values, buffer.width / frame.width);

@@ -1,7 +1,8 @@
 //! Invariants of every built-in scene.
 
 use super::*;
-use crate::scene::{Frame, Mesh, Vertex};
+use crate::adaptive::repeats::along_uv;
+use crate::scene::{Frame, Mesh};
 use crate::shading_point::ShadingPoint;
 use crate::trace::trace;
 use crate::vector::{cross, double, subtract};
@@ -181,17 +182,6 @@ fn objects_rest_on_the_table() {
     }
 }
 
-/// Change of a triangle's position with u and with v.
-fn along_uv(mesh: &Mesh, triangle: usize) -> Option<[Vector; 2]> {
-    let [a, b, c] = mesh.triangles[triangle].map(|corner| mesh.vertices[corner as usize]);
-    let edge = |end: Vertex| subtract(double(end.position), double(a.position));
-    let step = |end: Vertex| [0, 1].map(|k| f64::from(end.uv[k] - a.uv[k]));
-    let ([e, f], [g, h]) = (step(b), step(c));
-    let determinant = e * h - f * g;
-    let solve = |s: f64, t: f64| [0, 1, 2].map(|k| (s * edge(b)[k] + t * edge(c)[k]) / determinant);
-    (determinant.abs() > 1e-12).then(|| [solve(h, -f), solve(-g, e)])
-}
-
 /// Orientation of textures: relief is lit and shifted by directions in the frame of the vertices.
 #[test]
 fn frames_follow_the_coordinates_of_textures() {
@@ -200,7 +190,7 @@ fn frames_follow_the_coordinates_of_textures() {
     for builtin in balls.into_iter().chain(others) {
         let mesh = builtin.scene().parts.remove(0).mesh;
         for triangle in 0..mesh.triangles.len() {
-            let Some([along_u, along_v]) = along_uv(&mesh, triangle) else { continue };
+            let Some([along_u, along_v]) = along_uv(&mesh, &mesh.triangles[triangle]) else { continue };
             for corner in mesh.triangles[triangle] {
                 let vertex = mesh.vertices[corner as usize];
                 let (t, n) = (double(vertex.tangent), double(vertex.normal));
@@ -220,7 +210,7 @@ fn tiles_are_square_and_close_all_around() {
     for (builtin, around) in [(Builtin::Plane, None), (Builtin::Bottle, Some(2.0)), (Builtin::Vase, Some(3.0))] {
         let mesh = builtin.scene().parts.remove(0).mesh;
         for triangle in 0..mesh.triangles.len() {
-            let [u, v] = along_uv(&mesh, triangle).unwrap().map(|along| dot(along, along).sqrt());
+            let [u, v] = along_uv(&mesh, &mesh.triangles[triangle]).unwrap().map(|along| dot(along, along).sqrt());
             assert!((0.9..1.1).contains(&(u / v)), "{builtin:?}: {u} {v}");
         }
         let range = |k: usize| {

@@ -154,6 +154,7 @@ fn material(
         (&entry.lobes, PackKind::Lobes),
         (&entry.bandwidth, PackKind::Bandwidth),
         (&entry.samples, PackKind::Importance),
+        (&entry.texture, PackKind::Bandwidth),
     ];
     let (mut maps, mut lobes) = (Vec::new(), None);
     for (name, kind) in names {
