@@ -81,3 +81,55 @@ fn cosine_weights(n: usize) -> Vec<f64> {
     let column = |c: usize| angle(c).cos() - angle(c + 1).cos();
     (0..n * n).map(|cell| row(cell / n) * column(cell % n)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Light of the level with blocks of `n >> level` cells, for logarithms plus a correction.
+    fn light(values: &[f32], weights: &[f64], level: usize, added: f64) -> f64 {
+        let n = values.len().isqrt();
+        let block = n >> level;
+        let mean = |cell: usize| {
+            let (top, left) = (cell / n / block * block, cell % n / block * block);
+            let of_block = (0..block * block).map(|k| f64::from(values[(top + k / block) * n + left + k % block]));
+            of_block.sum::<f64>() / (block * block) as f64
+        };
+        (0..n * n).map(|cell| weights[cell] * (mean(cell) + added).exp()).sum()
+    }
+
+    #[test]
+    fn all_levels_reflect_the_light_that_is_asked_for() {
+        let n = 8;
+        let values: Vec<f32> = (0..n * n).map(|k| ((k * k % 29) as f32 - 20.0) / 5.0).collect();
+        let (weights, bias) = (cosine_weights(n), 0.01);
+        let mean = values.iter().map(|v| f64::from(*v)).sum::<f64>() / (n * n) as f64;
+        let found = scaling_coefficients(&values, &weights, 0.4, bias);
+        assert_eq!(found.len(), 4);
+        let expected = 0.4 + bias * weights.iter().sum::<f64>();
+        for (level, scaling) in found.iter().enumerate() {
+            let added = f64::from(*scaling) / n as f64 - mean;
+            let off = light(&values, &weights, level, added) / expected - 1.0;
+            assert!(off.abs() < 1e-5, "{level}: {off}");
+        }
+        // Control: the scaling coefficient of the finest level is too dark for the coarsest.
+        let added = f64::from(found[3]) / n as f64 - mean;
+        assert!(light(&values, &weights, 0, added) < 0.5 * expected);
+    }
+
+    #[test]
+    fn a_constant_has_equal_scaling_coefficients() {
+        let (weights, bias) = (cosine_weights(4), 0.01);
+        let whole: f64 = weights.iter().sum();
+        let found = scaling_coefficients(&[0.7f64.ln() as f32; 16], &weights, (0.7 - bias) * whole, bias);
+        assert!(found.iter().all(|c| (f64::from(*c) / 4.0 - 0.7f64.ln()).abs() < 1e-6), "{found:?}");
+    }
+
+    /// `∫ cos θ_o dω` over the hemisphere is π.
+    #[test]
+    fn weights_cover_the_hemisphere() {
+        for n in [2, 8, 64] {
+            assert!((cosine_weights(n).iter().sum::<f64>() - PI).abs() < 1e-12);
+        }
+    }
+}
