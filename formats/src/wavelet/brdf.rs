@@ -35,7 +35,7 @@ impl Brdf for WaveletPack {
     /// One reconstruction per inner cell. The scaling coefficient of a coarser level is read through the index map.
     fn fetches_at(&self, level: u32, filter: Filter) -> u32 {
         let inner = if filter == Filter::Bilinear { 4 } else { 1 };
-        let scaling = if self.header.scaling_coefficient(level) == 0 { 1 } else { 2 };
+        let scaling = if level < self.header.trees() { 2 } else { 1 };
         inner * (4 * level + scaling)
     }
 

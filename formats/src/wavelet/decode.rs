@@ -118,24 +118,46 @@ impl WaveletDecoder {
         if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
     }
 
-    /// Synthesis (equation 2) along one path of the tree: log-encoded value of one inner cell.
-    ///
-    /// Each level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
-    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`. The sign depends on the half that contains the cell.
+    /// Log-encoded value of one inner cell at a level of detail. Levels with trees of their own are blended between their
+    /// values.
     fn reconstruct(&self, footprint: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
-        let levels = self.header.levels;
+        let (levels, trees) = (self.header.levels, self.header.trees());
         let level = level.clamp(0.0, levels as f32);
         let whole = level.floor() as u32;
         let fraction = level - level.floor();
-        let mut scaling = self.coefficient(self.header.scaling_coefficient(whole), footprint);
-        let last = whole + u32::from(fraction > 0.0);
-        if self.header.energy_preserving && last > whole {
-            let finer = self.coefficient(self.header.scaling_coefficient(last), footprint);
-            for channel in 0..3 {
-                scaling[channel] += fraction * (finer[channel] - scaling[channel]);
-            }
+        if whole >= trees {
+            return self.path(0, levels, footprint, [column, row], level);
         }
-        let mut value = scaling.map(|c| c * weight(levels));
+        let of_level = |level: u32| {
+            let (first, depth) = if level < trees { (self.header.first_of_tree(level), level) } else { (0, levels) };
+            let cell = [column, row].map(|at| at >> (levels - depth));
+            self.path(first, depth, footprint, cell, level as f32)
+        };
+        let coarser = of_level(whole);
+        if fraction == 0.0 {
+            return coarser;
+        }
+        let finer = of_level(whole + 1);
+        std::array::from_fn(|channel| coarser[channel] + fraction * (finer[channel] - coarser[channel]))
+    }
+
+    /// Synthesis (equation 2) along one path of a tree: log-encoded value of one of its `2^levels x 2^levels` cells. The
+    /// coefficients of the tree start at `first`.
+    ///
+    /// Each level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
+    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`. The sign depends on the half that contains the cell.
+    fn path(
+        &self,
+        first: usize,
+        levels: u32,
+        footprint: &[(usize, f32)],
+        [column, row]: [usize; 2],
+        level: f32,
+    ) -> [f32; 3] {
+        let whole = level.floor() as u32;
+        let fraction = level - level.floor();
+        let mut value = self.coefficient(first, footprint).map(|c| c * weight(levels));
+        let last = whole + u32::from(fraction > 0.0);
         for j in 0..last {
             let (child_column, child_row) = (column >> (levels - j - 1), row >> (levels - j - 1));
             let (parent_column, parent_row) = (child_column >> 1, child_row >> 1);
@@ -144,7 +166,8 @@ impl WaveletDecoder {
             let latitude_sign = if child_row & 1 == 0 { scale } else { -scale };
             let longitude_scale = scale * SQRT_2;
             let longitude_sign = if child_column & 1 == 0 { longitude_scale } else { -longitude_scale };
-            let (a, b) = (self.coefficient(latitude, footprint), self.coefficient(longitude, footprint));
+            let a = self.coefficient(first + latitude, footprint);
+            let b = self.coefficient(first + longitude, footprint);
             let part = if j == whole { fraction } else { 1.0 };
             for channel in 0..3 {
                 value[channel] += part * (latitude_sign * a[channel] + longitude_sign * b[channel]);

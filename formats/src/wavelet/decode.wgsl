@@ -21,8 +21,8 @@
 //     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
 //     2 bilinear   four reconstructions around the inner direction, blended (section 5.4.2)
 //
-// Energy-preserving packs have a scaling coefficient for each level, which coarser levels read through the index map: one
-// fetch more, and three more between levels.
+// Energy-preserving packs have a tree for each level, whose scaling coefficient is read through the index map, too: one
+// fetch more. Between levels both are reconstructed.
 
 // Same fields and order as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
 struct WaveletBrdfParameters {
@@ -36,15 +36,15 @@ struct WaveletBrdfParameters {
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
     reserved_1: f32,
-    energy_preserving: u32,  // 1 with a scaling coefficient for each level, else 0
+    trees: u32,              // levels of detail with trees of their own; 0 if the pack is not energy-preserving
     window: u32,             // stored outer cells: first column, first row, columns, rows, 8 bits each
 }
 
 @group(1) @binding(5) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
 // Texture of the KTX2 file.
 @group(1) @binding(6) var wavelet_brdf_slices: texture_3d<f32>;
-// Texels of 32-bit floats, 2^N per row, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and 0. In
-// energy-preserving packs the coefficient 4^N + l is the scaling coefficient of level l < N.
+// Texels of 32-bit floats, 2^N per row, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and 0. Trees
+// of coarser levels follow the finest one.
 @group(1) @binding(7) var wavelet_brdf_index: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(8) var wavelet_brdf_sampler: sampler;
@@ -121,9 +121,7 @@ fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bo
     return value;
 }
 
-// Section 5.3, synthesis (equation 2) along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
-// axis: first the latitude detail with weight 2^-(N-j), then the longitude detail with weight √2 2^-(N-j). These
-// weights combine the divisions by √2 of all levels; the sign depends on the half.
+// Value of an inner cell at a level of detail. Levels with trees of their own are blended between their values.
 fn wavelet_brdf_reconstruct(
     outer: WaveletBrdfTaps,
     cells: u32,
@@ -133,25 +131,51 @@ fn wavelet_brdf_reconstruct(
     hardware: bool,
 ) -> vec3<f32> {
     let levels = wavelet_brdf_parameters.levels;
+    let trees = wavelet_brdf_parameters.trees;
     let clamped = clamp(level, 0.0, f32(levels));
     let whole = u32(floor(clamped));
     let fraction = clamped - floor(clamped);
-    let last = whole + select(0u, 1u, fraction > 0.0);
-    var scaling = wavelet_brdf_coefficient(wavelet_brdf_scaling(whole), outer, cells, hardware);
-    if wavelet_brdf_parameters.energy_preserving == 1u && last > whole {
-        let finer = wavelet_brdf_coefficient(wavelet_brdf_scaling(last), outer, cells, hardware);
-        scaling += fraction * (finer - scaling);
+    let is_finest = whole >= trees;
+    var values: array<vec3<f32>, 2>;
+    for (var k = 0u; k < select(2u, 1u, is_finest || fraction == 0.0); k += 1u) {
+        let own = whole + k;
+        let has_tree = own < trees;
+        let depth = select(levels, own, has_tree);
+        let first = select(0u, (1u << (2u * levels)) + ((1u << (2u * own)) - 1u) / 3u, has_tree);
+        let at = vec2<u32>(column, row) >> vec2<u32>(levels - depth);
+        values[k] = wavelet_brdf_path(first, depth, outer, cells, at, select(f32(own), clamped, is_finest), hardware);
     }
-    var value = scaling * wavelet_brdf_weight(levels);
+    if is_finest || fraction == 0.0 {
+        return values[0];
+    }
+    return values[0] + fraction * (values[1] - values[0]);
+}
+
+// Section 5.3, synthesis (equation 2) along one path of a tree, whose coefficients start at `first`. Level j refines
+// 2^j x 2^j cells to twice as many per axis: first the latitude detail with weight 2^-(N-j), then the longitude detail
+// with weight √2 2^-(N-j). These weights combine the divisions by √2 of all levels; the sign depends on the half.
+fn wavelet_brdf_path(
+    first: u32,
+    levels: u32,
+    outer: WaveletBrdfTaps,
+    cells: u32,
+    at: vec2<u32>,
+    level: f32,
+    hardware: bool,
+) -> vec3<f32> {
+    let whole = u32(floor(level));
+    let fraction = level - floor(level);
+    let last = whole + select(0u, 1u, fraction > 0.0);
+    var value = wavelet_brdf_coefficient(wavelet_brdf_scaling(first), outer, cells, hardware) * wavelet_brdf_weight(levels);
     for (var j = 0u; j < last; j += 1u) {
-        let child_column = column >> (levels - j - 1u);
-        let child_row = row >> (levels - j - 1u);
+        let child_column = at.x >> (levels - j - 1u);
+        let child_row = at.y >> (levels - j - 1u);
         let parent_column = child_column >> 1u;
         let parent_row = child_row >> 1u;
         let side = 1u << j;
-        let first = side * side;
-        let latitude = wavelet_brdf_entry(first + parent_row * side + parent_column);
-        let longitude = wavelet_brdf_entry(2u * first + child_row * side + parent_column);
+        let of_level = first + side * side;
+        let latitude = wavelet_brdf_entry(of_level + parent_row * side + parent_column);
+        let longitude = wavelet_brdf_entry(of_level + side * side + child_row * side + parent_column);
         let weight = wavelet_brdf_weight(levels - j);
         let latitude_weight = select(-weight, weight, (child_row & 1u) == 0u);
         let longitude_weight = select(-(weight * WAVELET_BRDF_SQRT_2), weight * WAVELET_BRDF_SQRT_2, (child_column & 1u) == 0u);
@@ -170,11 +194,10 @@ fn wavelet_brdf_weight(n: u32) -> f32 {
     return bitcast<f32>((127u - n) << 23u);
 }
 
-// Entry of the scaling coefficient of a level. Energy-preserving packs have one for each level, the finest in slice 1.
-fn wavelet_brdf_scaling(level: u32) -> vec4<f32> {
-    let levels = wavelet_brdf_parameters.levels;
-    if wavelet_brdf_parameters.energy_preserving == 1u && level < levels {
-        return wavelet_brdf_entry((1u << (2u * levels)) + level);
+// Entry of the scaling coefficient of a tree. That of the finest tree is in slice 1.
+fn wavelet_brdf_scaling(first: u32) -> vec4<f32> {
+    if first > 0u {
+        return wavelet_brdf_entry(first);
     }
     return vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
 }

@@ -154,10 +154,11 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
 /// Slices of all coefficients, and scales of all slices.
 fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<u16>, Vec<SliceScale>), FormatError> {
     check_texels(texture, INDEX, Extent::D2(header.index_extent()), TexelFormat::Rgba32Float, HEADER)?;
-    // Stored coefficients use slices 1, 2, ... in order. Levels finer than the stored ones have no slices; all scaling
-    // coefficients have one.
+    // Stored coefficients use slices 1, 2, ... in order. Levels finer than the stored ones have no slices; the scaling
+    // coefficient of each tree has one.
     let finest = 1usize << (2 * header.stored_levels);
     let (cells, coefficients) = (header.cells(), header.coefficients());
+    let scalings: Vec<usize> = (0..header.trees()).map(|level| header.first_of_tree(level)).collect();
     let (mut index, mut scales) = (Vec::with_capacity(coefficients), vec![SliceScale::default()]);
     for (coefficient, texel) in texture.texels.as_chunks::<4>().0.as_chunks::<4>().0.iter().enumerate() {
         let [slice, scale, offset, zero] = texel.map(f32::from_le_bytes);
@@ -165,12 +166,12 @@ fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<
             Err(FormatError::whole(format!("{INDEX} coefficient {coefficient}, {field}"), found, allowed))
         };
         let (next, stored) = (scales.len(), slice.to_bits() != 0);
-        let is_scaling = coefficient == 0 || (cells..coefficients).contains(&coefficient);
-        let may_be_stored = coefficient < finest || is_scaling;
+        let is_scaling = coefficient == 0 || scalings.contains(&coefficient);
+        let may_be_stored = coefficient < finest || (cells..coefficients).contains(&coefficient);
         if stored && (slice != next as f32 || !may_be_stored) || is_scaling && !stored {
             let allowed = match coefficient {
                 0 => "1, the scaling slice".to_owned(),
-                _ if is_scaling => format!("{next}, the scaling slice of level {}", coefficient - cells),
+                _ if is_scaling => format!("{next}, the scaling slice of a tree"),
                 _ if coefficient >= coefficients => "0, because there is no such coefficient".to_owned(),
                 _ if !may_be_stored => "0, because this level is not stored".to_owned(),
                 _ => format!("0 or {next}, the next slice"),

@@ -31,8 +31,8 @@ pub struct Header {
     pub mean: f32,
     /// `ε` of the log encoding `ln(f / μ + ε)`, positive.
     pub bias: f32,
-    /// True for energy-preserving packs, which have a scaling coefficient for each level of detail; false for one scaling
-    /// coefficient, as in the paper, whose coarser levels are darker.
+    /// True for energy-preserving packs, in which each level of detail has a tree of its own, of logarithms of means; false
+    /// for one tree, as in the paper, whose coarser levels are means of logarithms and darker.
     pub energy_preserving: bool,
 }
 
@@ -47,21 +47,26 @@ impl Header {
         self.grid() * self.grid()
     }
 
-    /// Number of the scaling coefficient of a level of detail: 0 for the finest, and for all levels of packs that are not
-    /// energy-preserving.
-    pub fn scaling_coefficient(&self, level: u32) -> usize {
-        if self.energy_preserving && level < self.levels { self.cells() + level as usize } else { 0 }
+    /// Number of levels of detail below the finest that have a tree of their own: the stored ones of energy-preserving
+    /// packs, and none of others.
+    pub fn trees(&self) -> u32 {
+        if self.energy_preserving { self.stored_levels } else { 0 }
     }
 
-    /// Number of coefficients: the wavelet coefficients, and in energy-preserving packs the scaling coefficients of
-    /// coarser levels.
+    /// Number of the first coefficient of the tree of a level of detail below [`Self::trees`].
+    pub fn first_of_tree(&self, level: u32) -> usize {
+        self.cells() + coefficients_below(level)
+    }
+
+    /// Coefficient of the finest tree in the place of a coefficient of any tree.
+    pub fn in_finest_tree(&self, coefficient: usize) -> usize {
+        let first = (0..self.trees()).rev().map(|level| self.first_of_tree(level)).find(|first| coefficient >= *first);
+        coefficient - first.unwrap_or(0)
+    }
+
+    /// Number of coefficients: those of the finest level, and those of the other trees.
     pub fn coefficients(&self) -> usize {
-        self.cells() + self.coarser_scalings()
-    }
-
-    /// Number of scaling coefficients of levels of detail below the finest.
-    pub fn coarser_scalings(&self) -> usize {
-        if self.energy_preserving { self.levels as usize } else { 0 }
+        self.first_of_tree(self.trees())
     }
 
     /// Columns and rows of the index map: a row of `2^N` texels for `2^N` coefficients.
@@ -148,22 +153,26 @@ impl WaveletPack {
         self.scales.len()
     }
 
-    /// Wavelet coefficients that have a slice.
+    /// Coefficients of the finest level that have a slice.
     pub fn retained(&self) -> usize {
-        self.slices() - 1 - self.header.coarser_scalings()
+        self.index[..self.header.cells()].iter().filter(|slice| **slice != 0).count()
     }
 
     /// GPU memory of the texture and the index map, bytes. The index map has a slice number, scale and offset per
     /// coefficient (16 bytes, see [`crate::wavelet::shader`]).
     pub fn gpu_bytes(&self) -> u64 {
-        gpu_bytes(&self.header, self.window(), self.retained())
+        gpu_bytes(&self.header, self.window(), self.slices())
     }
 }
 
-/// GPU memory of a pack that retains this many wavelet coefficients, with slices of such a window, bytes.
-pub fn gpu_bytes(header: &Header, window: Window, retained: usize) -> u64 {
-    let slices = 1 + retained + header.coarser_scalings();
+/// GPU memory of a pack with this many slices of such a window, including the zero slice, bytes.
+pub fn gpu_bytes(header: &Header, window: Window, slices: usize) -> u64 {
     let texture = (window.size[0] * window.size[1]) as usize * slices * header.texel_format().texel_bytes();
     let [columns, rows] = header.index_extent();
     (texture + INDEX_BYTES * (columns * rows) as usize) as u64
+}
+
+/// Number of coefficients of the trees of all levels below one: `Σ 4^l`.
+fn coefficients_below(level: u32) -> usize {
+    ((1 << (2 * level)) - 1) / 3
 }

@@ -39,8 +39,8 @@ pub struct WaveletBrdfParameters {
     pub scaling_offset: f32,
     /// Depth of the texture, including the zero slice.
     pub slices: f32,
-    /// 1 for energy-preserving packs, otherwise 0.
-    pub energy_preserving: u32,
+    /// Number of levels of detail with trees of their own.
+    pub trees: u32,
     /// Rectangle of outer cells that the pack stores.
     pub window: Window,
 }
@@ -61,7 +61,7 @@ impl WaveletBrdfParameters {
             scaling_scale: pack.scales[1].scale,
             scaling_offset: pack.scales[1].offset,
             slices: pack.slices() as f32,
-            energy_preserving: u32::from(header.energy_preserving),
+            trees: header.trees(),
             window: pack.window(),
         }
     }
@@ -81,7 +81,7 @@ impl WaveletBrdfParameters {
             self.scaling_offset.to_bits(),
             self.slices.to_bits(),
             0,
-            self.energy_preserving,
+            self.trees,
             window,
         ];
         block_bytes(words)

@@ -24,8 +24,9 @@ enum Mistake {
     NoMean,
     TexelRange,
     CellEdges,
-    FinestScaling,
-    ScalingOfCoarser,
+    FinestTree,
+    SwappedCells,
+    CoarserLevel,
 }
 
 struct Equations<'a> {
@@ -59,26 +60,34 @@ impl Equations<'_> {
         f64::from(scale.offset) + f64::from(scale.scale) * f64::from(stored) / full
     }
 
-    /// Scaling coefficient of a level of detail at an outer cell.
-    fn scaling(&self, level: f64, cell: usize, channel: usize) -> f64 {
+    /// `v(c, r)` at level of detail `l`.
+    fn value(&self, cell: usize, column: usize, row: usize, level: f64, channel: usize) -> f64 {
         let header = &self.pack.header;
-        let n = f64::from(header.levels);
-        let of_level = |level: f64| {
-            let is_coarser = header.energy_preserving && level < n && !self.is(Mistake::FinestScaling);
-            let k = if is_coarser { (1usize << (2 * header.levels)) + level as usize } else { 0 };
-            self.coefficient(k, cell, channel)
+        let level = level.clamp(0.0, f64::from(header.levels));
+        let of_level = |whole: f64| {
+            let depth = whole as u32;
+            if !header.energy_preserving || depth >= header.stored_levels || self.is(Mistake::FinestTree) {
+                return self.path(0, header.levels, cell, [column, row], whole, channel);
+            }
+            // Trees of 1, 4, 16, ... coefficients follow the finest one.
+            let first = (1usize << (2 * header.levels)) + (0..depth).map(|l| 4usize.pow(l)).sum::<usize>();
+            let at = [column, row].map(|at| at >> (header.levels - depth));
+            let at = if self.is(Mistake::SwappedCells) { [at[1], at[0]] } else { at };
+            self.path(first, depth, cell, at, whole, channel)
         };
-        let level = level.clamp(0.0, n);
-        let part = if self.is(Mistake::ScalingOfCoarser) { 0.0 } else { level.fract() };
+        if !header.energy_preserving {
+            return self.path(0, header.levels, cell, [column, row], level, channel);
+        }
+        let part = if self.is(Mistake::CoarserLevel) { 0.0 } else { level.fract() };
         (1.0 - part) * of_level(level.floor()) + part * of_level(level.ceil())
     }
 
-    /// `v(c, r)` at level of detail `l`.
-    fn value(&self, cell: usize, column: usize, row: usize, level: f64, channel: usize) -> f64 {
-        let coefficient = |k| self.coefficient(k, cell, channel);
-        let n = self.pack.header.levels as i32;
+    /// Sum of the tree of `n` levels that starts at the coefficient `first`, up to a level.
+    fn path(&self, first: usize, n: u32, cell: usize, [column, row]: [usize; 2], level: f64, channel: usize) -> f64 {
+        let coefficient = |k| self.coefficient(first + k, cell, channel);
+        let n = n as i32;
         let scaling = if self.is(Mistake::ScalingWeight) { 1 - n } else { -n };
-        let mut sum = 2f64.powi(scaling) * self.scaling(level, cell, channel);
+        let mut sum = 2f64.powi(scaling) * coefficient(0);
         for j in 0..n {
             let part = (level - f64::from(j)).clamp(0.0, 1.0);
             let bit = |x: usize, k: i32| (x >> k) & 1;
@@ -235,7 +244,13 @@ fn the_decoder_is_within_the_bound_of_the_page() {
 
 #[test]
 fn mistakes_in_energy_preserving_packs_are_detected() {
-    for mistake in [Mistake::FinestScaling, Mistake::ScalingOfCoarser, Mistake::ScalingWeight, Mistake::LatitudeSign] {
+    for mistake in [
+        Mistake::FinestTree,
+        Mistake::SwappedCells,
+        Mistake::CoarserLevel,
+        Mistake::ScalingWeight,
+        Mistake::LatitudeSign,
+    ] {
         let difference = difference(&pack(energy_preserving(3, 3, 8), 64, 31), mistake);
         assert!(difference > 1e-3, "{mistake:?}: {difference:e}");
     }

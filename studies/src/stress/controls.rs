@@ -39,7 +39,7 @@ impl Control {
 }
 
 /// All negative controls.
-pub const CONTROLS: [Control; 37] = [
+pub const CONTROLS: [Control; 36] = [
     control(directions::rows, "tangent-pole grid, f64", "angles rounded to f32", |s| {
         s.to_tangent_pole = |d| [f64::from(d[2].atan2(d[0]) as f32), d[1].acos()];
     }),
@@ -83,14 +83,6 @@ pub const CONTROLS: [Control; 37] = [
     }),
     control(transforms::rows, "Haar and back, f32", "coefficients with 1e-3 added", |s| {
         s.haar_inverse = |c, n| (Stages::default().haar_inverse)(c, n).iter().map(|c| c + 1e-3).collect();
-    }),
-    control(transforms::rows, "scaling coefficients of levels, f32", "that of the finest level for all", |s| {
-        s.scalings = |values, weights, light, bias| {
-            let mut all = (Stages::default().scalings)(values, weights, light, bias);
-            let finest = all[all.len() - 1];
-            all.fill(finest);
-            all
-        };
     }),
     control(transforms::rows, "Daubechies and back, f32", "pixels in reverse order", |s| {
         s.daubechies = |image, _| image.iter().rev().copied().collect()

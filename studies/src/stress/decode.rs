@@ -60,36 +60,52 @@ impl<'a> ExactDecoder<'a> {
             f64::from((scale.offset + scale.scale).abs().max(scale.offset.abs()))
         };
         // The path to a cell has one detail of each kind per level.
-        let n = header.grid() as f64;
-        let mut largest =
-            (0..=header.levels).map(|level| most(header.scaling_coefficient(level))).fold(0.0, f64::max) / n;
-        for j in 0..header.levels {
-            let (first, scale) = (1usize << (2 * j), f64::from(1u32 << j) / n);
-            let latitude = (first..2 * first).map(most).fold(0.0, f64::max);
-            let longitude = (2 * first..4 * first).map(most).fold(0.0, f64::max);
-            largest += scale * (latitude + std::f64::consts::SQRT_2 * longitude);
-        }
+        let of_tree = |first: usize, levels: u32| {
+            let n = f64::from(1u32 << levels);
+            let of_level = |j: u32| {
+                let (start, scale) = (1usize << (2 * j), f64::from(1u32 << j) / n);
+                let most_of = |from: usize, to: usize| (first + from..first + to).map(most).fold(0.0, f64::max);
+                scale * (most_of(start, 2 * start) + std::f64::consts::SQRT_2 * most_of(2 * start, 4 * start))
+            };
+            most(first) / n + (0..levels).map(of_level).sum::<f64>()
+        };
+        let trees = (0..header.trees()).map(|level| of_tree(header.first_of_tree(level), level));
+        let largest = trees.fold(of_tree(0, header.levels), f64::max);
         Self { pack, largest }
     }
 
-    /// All inner cells of an outer one at a level of detail. Finer details are left out, those of a fractional level
-    /// are weighted.
+    /// All inner cells of an outer one at a level of detail.
     fn image(&self, outer: usize, level: f32) -> Vec<f64> {
         let header = &self.pack.header;
-        let (n, cells) = (header.grid(), header.cells());
-        let value = |k: usize| {
-            let slice = usize::from(self.pack.index[k]);
-            let scale = self.pack.scales[slice];
-            let texel = f64::from(self.pack.texels[slice * cells + outer]) / 255.0;
-            f64::from(scale.offset) + f64::from(scale.scale) * texel
-        };
         let level = f64::from(level).clamp(0.0, f64::from(header.levels));
-        let [coarser, finer] = [level.floor(), level.ceil()].map(|l| value(header.scaling_coefficient(l as u32)));
-        let mut coefficients: Vec<f64> = vec![coarser + level.fract() * (finer - coarser)];
-        coefficients.extend((1..cells).map(|k| (level - f64::from(k.ilog2() / 2)).clamp(0.0, 1.0) * value(k)));
+        let whole = level as u32;
+        if whole >= header.trees() {
+            return self.image_of_tree(0, header.levels, outer, level);
+        }
+        let of_level = |own: u32| match own < header.trees() {
+            true => self.image_of_tree(header.first_of_tree(own), own, outer, f64::from(own)),
+            false => self.image_of_tree(0, header.levels, outer, f64::from(own)),
+        };
+        let (coarser, finer) = (of_level(whole), of_level((whole + 1).min(header.levels)));
+        coarser.iter().zip(&finer).map(|(a, b)| a + level.fract() * (b - a)).collect()
+    }
+
+    /// Image of a tree. Finer details are left out, those of a fractional level are weighted.
+    fn image_of_tree(&self, first: usize, levels: u32, outer: usize, level: f64) -> Vec<f64> {
+        let header = &self.pack.header;
+        let (n, side, cells) = (header.grid(), 1usize << levels, 1usize << (2 * levels));
+        let value = |k: usize| {
+            let slice = usize::from(self.pack.index[first + k]);
+            let scale = self.pack.scales[slice];
+            let texel = f64::from(self.pack.texels[slice * header.cells() + outer]) / 255.0;
+            let part = if k == 0 { 1.0 } else { (level - f64::from(k.ilog2() / 2)).clamp(0.0, 1.0) };
+            part * (f64::from(scale.offset) + f64::from(scale.scale) * texel)
+        };
+        let coefficients: Vec<f64> = (0..cells).map(value).collect();
         let mut samples = vec![0.0; cells];
-        inverse(&coefficients, n, &mut samples, &mut Vec::new());
-        samples
+        inverse(&coefficients, side, &mut samples, &mut Vec::new());
+        let block = n / side;
+        (0..n * n).map(|cell| samples[cell / n / block * side + cell % n / block]).collect()
     }
 
     /// Four cells around a direction and their weights.

@@ -25,8 +25,10 @@ pub fn pack(levels: u32, retained: usize, bits: u32, energy_preserving: bool, se
         let scale = numbers.between(0.0, 4.0) as f32;
         SliceScale { scale, offset: -(numbers.unit() as f32) * scale }
     };
-    index.extend((retained + 1..).take(header.coarser_scalings()).map(|slice| slice as u16));
-    let slices = retained + header.coarser_scalings();
+    // All coefficients of the other trees.
+    let trees = header.coefficients() - cells;
+    index.extend((retained + 1..).take(trees).map(|slice| slice as u16));
+    let slices = retained + trees;
     let mut scales = vec![SliceScale::default()];
     scales.extend((0..slices).map(|_| scale(&mut numbers)));
     let slice = cells * header.texel_format().texel_bytes();

@@ -17,7 +17,6 @@ use brdfc_table::encode::Prepared;
 use brdfc_table::lattice::Equations;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::encode::Encoded;
-use brdfc_wavelet::energy::scaling_coefficients;
 use brdfc_wavelet::haar::forward;
 use brdfc_wavelet::log_encode::{LogEncoding, log_encode};
 use brdfc_wavelet::quantise::{Quantised, quantise};
@@ -57,8 +56,6 @@ pub struct Stages {
     pub haar: fn(&[f32], usize) -> Vec<f32>,
     /// Haar synthesis.
     pub haar_inverse: fn(&[f32], usize) -> Vec<f32>,
-    /// Scaling coefficients of all levels of an image, the coarsest first: values, weights, light and bias.
-    pub scalings: fn(&[f32], &[f64], f64, f64) -> Vec<f32>,
     /// Energy of each slice of a table of coefficients.
     pub energies: fn(&Table) -> Vec<f64>,
     /// Selection of slices by energies, levels and number.
@@ -120,7 +117,6 @@ impl Default for Stages {
                 inverse(coefficients, n, &mut samples, &mut Vec::new());
                 samples
             },
-            scalings: scaling_coefficients,
             energies: slice_energies,
             threshold: |energies, levels, count| keep(&ranking(energies, levels), count),
             quantise,

@@ -17,7 +17,7 @@ fn roundings(levels: u32) -> f64 {
 }
 
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
-    let [mut analysis, mut back, mut constants, mut scalings, mut daubechies] = [Worst::default(); 5];
+    let [mut analysis, mut back, mut constants, mut daubechies] = [Worst::default(); 4];
     for levels in levels(small) {
         let n = 1usize << levels;
         for filling in Filling::ALL {
@@ -34,9 +34,6 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
                 coefficients[1..].iter().for_each(|detail| constants.check(*detail == 0.0));
             }
             daubechies_there_and_back(stages, &samples, n, norm, &mut daubechies);
-            // Logarithms of a material, which 1e6 is not.
-            let logarithms: Vec<f32> = samples.iter().map(|v| v.clamp(-30.0, 15.0)).collect();
-            light_of_levels(stages, &logarithms, n, &mut scalings);
         }
     }
     let fed = "all grids: 1e-12 to 1e6, denormals, zeros, constants, a spike";
@@ -49,12 +46,6 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             Measure::Count,
             0.0,
             "a - a is 0: no detail, so no slice",
-        ),
-        scalings.row(
-            ["scaling coefficients of levels, f32", "the same as logarithms, -30 to 15"],
-            Measure::OfBound,
-            1.0,
-            "each level reflects the same light: one exp, 2.5e-7, and 8 roundings of the largest logarithm for each level",
         ),
         daubechies.row(
             ["Daubechies and back, f32", fed],
@@ -93,29 +84,6 @@ fn sums(samples: &[f32], n: usize) -> Vec<f64> {
         }
     }
     coefficients
-}
-
-/// Light of each level with its scaling coefficient, against light that is asked for.
-fn light_of_levels(stages: &Stages, logarithms: &[f32], n: usize, worst: &mut Worst) {
-    const LIGHT: f64 = 0.7;
-    let bias = 1e-3;
-    let weights: Vec<f64> = (0..n * n).map(|k| 1.0 + (k % 3) as f64).collect();
-    let whole: f64 = weights.iter().sum();
-    let largest = logarithms.iter().fold(0.0f64, |m, v| m.max(f64::from(v.abs())));
-    let mean = logarithms.iter().map(|v| f64::from(*v)).sum::<f64>() / (n * n) as f64;
-    for (level, scaling) in (stages.scalings)(logarithms, &weights, LIGHT, bias).into_iter().enumerate() {
-        let block = n >> level;
-        let value = |k: usize| {
-            let (top, left) = (k / n / block * block, k % n / block * block);
-            let cells = (0..block * block).map(|c| logarithms[(top + c / block) * n + left + c % block]);
-            cells.map(f64::from).sum::<f64>() / (block * block) as f64
-        };
-        let added = f64::from(scaling) / n as f64 - mean;
-        let light: f64 = (0..n * n).map(|k| weights[k] * (value(k) + added).exp()).sum();
-        let exact = LIGHT + bias * whole;
-        let roundings = 8.0 * U * (largest + f64::from(scaling.abs()) / n as f64) * f64::from(n.ilog2());
-        worst.add((light / exact - 1.0) / (2.5e-7 + roundings));
-    }
 }
 
 fn daubechies_there_and_back(stages: &Stages, samples: &[f32], n: usize, norm: f64, worst: &mut Worst) {

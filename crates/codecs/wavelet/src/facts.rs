@@ -19,7 +19,7 @@ pub struct WaveletPackFacts {
     pub levels: u32,
     /// Finest level that holds slices.
     pub stored_levels: u32,
-    /// True if each level of detail has a scaling coefficient that preserves energy.
+    /// True if each level of detail has a tree of its own, which preserves energy.
     pub energy_preserving: bool,
     /// Colour channels, 1 or 3.
     pub channels: u32,

@@ -238,8 +238,8 @@ fn a_reconstruction_costs_four_fetches_per_level_and_one() {
             let loaded = evaluator.load(&pack, filter).unwrap();
             for level in 0..=levels {
                 // An index look-up per detail, and a coefficient of 1 or 4 texels.
-                // Energy-preserving packs look up the scaling coefficients of coarser levels.
-                let scaling = u32::from(header.energy_preserving && level < levels);
+                // Energy-preserving packs look up the scaling coefficients of coarser trees.
+                let scaling = u32::from(level < header.trees());
                 let expected = reconstructions * (2 * level * (1 + texels) + texels + scaling);
                 if texels == 1 && reconstructions == 1 {
                     assert_eq!(expected, 4 * level + 1 + scaling);

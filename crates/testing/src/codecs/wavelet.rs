@@ -51,14 +51,25 @@ pub fn pack(header: Header, retained: usize, seed: u64) -> WaveletPack {
             index[coefficient] = next as u16;
         }
     }
-    let coarser = next + 1;
-    index.extend((coarser..coarser + header.coarser_scalings()).map(|slice| slice as u16));
-    let slices = coarser + header.coarser_scalings();
+    // The scaling coefficient of each tree, and a third of its details.
+    let mut scalings = vec![1];
+    for level in 0..header.trees() {
+        for coefficient in 0..1usize << (2 * level) {
+            let is_stored = coefficient % 3 == 0;
+            next += usize::from(is_stored);
+            index.push(if is_stored { next as u16 } else { 0 });
+            scalings.extend((coefficient == 0).then_some(next));
+        }
+    }
+    let slices = next + 1;
     let scales = (0..slices)
         .map(|slice| match slice {
             0 => SliceScale::default(),
-            slice if slice == 1 || slice >= coarser => {
-                SliceScale { scale: (2.5 * header.grid() as f64) as f32, offset: -2.0 }
+            // Of 2^l cells per axis at level l.
+            slice if scalings.contains(&slice) => {
+                let level = scalings.iter().position(|at| *at == slice).filter(|at| *at > 0);
+                let side = level.map_or(header.grid(), |at| 1 << (at - 1)) as f32;
+                SliceScale { scale: 2.5 * side, offset: -2.0 * side / header.grid() as f32 }
             }
             _ => {
                 let half = numbers.between(0.05, 1.0);
