@@ -77,7 +77,7 @@ fn a_build_makes_the_map_of_a_texture_where_a_scene_needs_it() {
     let words = folder.run(&["build", "scene.toml"]).succeeded().stdout;
     assert!(words.contains("plaster.texture.ktx2"), "{words}");
     // Nothing changed; another image of the same name is read.
-    assert_eq!(build(SCENE)["materials"][0]["stages"], serde_json::json!([]));
+    assert!(build(SCENE)["materials"][0]["stages"].is_null());
     image::GrayImage::new(8, 8).save(folder.path().join("checks.png")).unwrap();
     let again = build(SCENE);
     let stages: Vec<&str> =

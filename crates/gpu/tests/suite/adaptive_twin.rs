@@ -379,7 +379,11 @@ const TEXTURE_CHANGES: [(&str, &str, &str); 13] = [
     ("texture_colour(place, footprint.y)", "texture_colour(place, 4.0 * footprint.y)", "forward"),
     ("finer + share * (coarser - finer)", "finer", "forward"),
     ("vec2<f32>(size) - 0.5", "vec2<f32>(size)", "forward"),
-    ("row += size.y", "row += size.x", "forward"),
+    (
+        "u32(level); finer += 1u) {\n        row += size.y",
+        "u32(level); finer += 1u) {\n        row += size.x",
+        "forward",
+    ),
 ];
 
 /// Small changes of the shaders, and the result that detects each.

@@ -48,7 +48,7 @@ impl TexturePoint {
     }
 }
 
-/// How a texture lies around a point.
+/// Size of a texture on the surface around a point.
 struct Footprint {
     /// Maximum of the metres of the texture per metre of surface, over the steps to the neighbours: 1 if a repetition has
     /// the texture's size there. 1 without neighbours.
