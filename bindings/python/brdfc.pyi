@@ -58,13 +58,13 @@ class _WaveletPack(TypedDict):
     bias: float
     """ε."""
     index: NDArray[np.uint16]
-    """(4^N,), or (4^N + N,) if the pack is energy-preserving: the slice of each coefficient, 0 if it has none."""
+    """The slice of each coefficient, 0 if it has none: 4^N, then those of other trees if the pack is energy-preserving."""
     scales: NDArray[np.float32]
     """(slices, 2): scale and offset."""
     texels: Union[NDArray[np.uint8], NDArray[np.uint16]]
     """(slices, rows, columns, 1 or 4): the largest integer represents 1."""
     energy_preserving: bool
-    """True if level l < N has a scaling coefficient of its own, 4^N + l."""
+    """True if each level l below the stored ones has a tree of its own, from coefficient 4^N + (4^l - 1) / 3 on."""
 
 @final
 class Material:

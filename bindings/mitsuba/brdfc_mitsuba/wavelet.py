@@ -21,8 +21,8 @@ class WaveletDecoder:
         self.first, self.size = pack["first"], pack["size"]
         level = float(self.levels) if level is None else min(max(float(level), 0.0), float(self.levels))
         self.whole, self.fraction = int(level), level - int(level)
-        # Coefficients of finer levels are 0.
-        self.last = min(self.whole + (1 if self.fraction > 0.0 else 0), pack["stored_levels"])
+        self.stored_levels = pack["stored_levels"]
+        self.trees = self.stored_levels if pack["energy_preserving"] else 0
         texels = pack["texels"]
         unorm = texels.astype(np.float32) * np.float32(1.0 / np.iinfo(texels.dtype).max)
         unorm = np.repeat(unorm, 3, axis=-1) if pack["channels"] == 1 else unorm[..., :3]
@@ -30,7 +30,6 @@ class WaveletDecoder:
         coefficients = offset[:, None, None, None] + scale[:, None, None, None] * unorm
         self.coefficients = Buffer(coefficients.reshape(-1, 3))
         self.index = Buffer(pack["index"].astype(np.uint32))
-        self.energy_preserving = pack["energy_preserving"]
 
     def eval(self, i, o, active=True):
         """f_r in 1/sr, linear RGB, of unit vectors to the light and to the viewer; 0 at and below the horizon."""
@@ -49,28 +48,37 @@ class WaveletDecoder:
         return log_value
 
     def reconstruct(self, outer, column, row):
-        """Synthesis along one path of the tree."""
-        levels = self.levels
-        scaling = self.coefficient(self.scaling(self.whole), outer)
-        if self.last > self.whole:
-            scaling += self.fraction * (self.coefficient(self.scaling(self.last), outer) - scaling)
-        value = scaling * 2.0**-levels
-        for j in range(self.last):
+        """An inner cell at the level of detail. Levels with trees of their own are blended between their values."""
+        if self.whole >= self.trees:
+            return self.path(0, self.levels, outer, column, row, self.whole, self.fraction)
+        coarser = self.of_level(self.whole, outer, column, row)
+        if self.fraction == 0.0:
+            return coarser
+        return coarser + self.fraction * (self.of_level(self.whole + 1, outer, column, row) - coarser)
+
+    def of_level(self, level, outer, column, row):
+        """An inner cell at a whole level of detail."""
+        if level >= self.trees:
+            return self.path(0, self.levels, outer, column, row, level, 0.0)
+        first, shift = (1 << (2 * self.levels)) + ((1 << (2 * level)) - 1) // 3, self.levels - level
+        return self.path(first, level, outer, column >> shift, row >> shift, level, 0.0)
+
+    def path(self, first, levels, outer, column, row, whole, fraction):
+        """Synthesis along one path of a tree, whose coefficients start at `first`."""
+        value = self.coefficient(first, outer) * 2.0**-levels
+        # Coefficients of finer levels are 0.
+        for j in range(min(whole + (1 if fraction > 0.0 else 0), self.stored_levels)):
             child_column, child_row = column >> (levels - j - 1), row >> (levels - j - 1)
             parent_column, parent_row = child_column >> 1, child_row >> 1
             side = 1 << j
-            latitude = side * side + parent_row * side + parent_column
-            longitude = 2 * side * side + child_row * side + parent_column
-            part = self.fraction if j == self.whole else 1.0
+            latitude = first + side * side + parent_row * side + parent_column
+            longitude = first + 2 * side * side + child_row * side + parent_column
+            part = fraction if j == whole else 1.0
             weight = part * 2.0 ** (j - levels)
             a = weight * self.coefficient(latitude, outer)
             b = weight * SQRT_2 * self.coefficient(longitude, outer)
             value += dr.select((child_row & 1) == 0, a, -a) + dr.select((child_column & 1) == 0, b, -b)
         return value
-
-    def scaling(self, level):
-        """The scaling coefficient of a level."""
-        return (1 << (2 * self.levels)) + level if self.energy_preserving and level < self.levels else 0
 
     def coefficient(self, coefficient, outer):
         """A coefficient at the outer direction, through the index map; slice 0 is all zero."""

@@ -77,8 +77,8 @@ pub struct EncodeOptions {
     /// table) or visible (smallest visible error: grazing angles and dark values count less; use with --bias 0.0003).
     #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
     pub ranking: Option<String>,
-    /// Wavelet: levels of detail as in the paper, with a single scaling coefficient. They are smaller by one slice per
-    /// level, but coarser levels and omitted slices darken renderings.
+    /// Wavelet: levels of detail as in the paper, with one set of coefficients for all. The pack is smaller by about a
+    /// quarter, but its coarser levels darken renderings.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
     pub plain_levels: Option<bool>,
     /// Scans: maximum ε_r of held-out rows, and of held-out incidences, against the fit to the other rows: a fraction

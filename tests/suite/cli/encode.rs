@@ -108,8 +108,8 @@ fn energy_preserving_packs_are_marked() {
         assert_eq!(info.contains("3, stored up to 3, energy-preserving"), is_preserving, "{info}");
         bytes.push(report["bytes_on_gpu"].as_u64().unwrap());
     }
-    // A slice of 64 texels for each coarser level, and a row of the index map.
-    assert_eq!(bytes[0] - bytes[1], 3 * 64 + 8 * 16);
+    // Trees of 1, 4 and 16 slices of 64 texels, and three rows of the index map.
+    assert_eq!(bytes[0] - bytes[1], 21 * 64 + 3 * 8 * 16);
 }
 
 /// Repairs and the cost of averaging are reported.
