@@ -77,10 +77,11 @@ impl<'a> Transposed<'a> {
     fn slice(&self, k: usize) -> Vec<f32> {
         let fold = &self.coefficients.fold;
         let (channels, rows, cells) = self.coefficients.values.dim();
+        let outer_cells = fold.n * fold.n;
         let images = super::fold::Flip::ALL.map(|flip| flip_coefficient(k, flip));
-        let mut slice = Vec::with_capacity(channels * cells);
+        let mut slice = Vec::with_capacity(channels * outer_cells);
         for channel in 0..channels {
-            for cell in 0..cells {
+            for cell in 0..outer_cells {
                 let (row, flip) = fold.locate(cell);
                 let (image, sign) = images[flip.number()];
                 slice.push(sign * self.values[(channel * cells + image) * rows + row]);

@@ -73,7 +73,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     let PackRecipe::Wavelet(wavelet) = resolved("codec = 'wavelet'", "max_delta_e = 0.3\nreciprocal = true") else {
         panic!("a wavelet pack")
     };
-    assert_eq!(wavelet, Recipe::visible());
+    assert_eq!(wavelet, Recipe { energy_preserving: true, ..Recipe::visible() });
     // Defaults that a codec does not have are dropped, too. A codec stays if the options go with it.
     assert!(matches!(resolved("codec = 'table'", "levels = 2"), PackRecipe::Table(Table(_))));
     let PackRecipe::Table(Table(levels)) = resolved("levels = 2", "codec = 'factored'\nbias = 0.001") else {
@@ -174,7 +174,7 @@ fn packs_are_as_large_as_predicted() {
     let mut exact = 0;
     for address in ["synth:lambert?kd=0.5", "synth:ggx?kd=0.1,0.2,0.3&f0=0.04&alpha=0.3"] {
         let source = open(address, None).expect("an address").source;
-        for text in ["", "codec = 'table'", "max_bytes = 3000", "grid = 8\nratio = 4", "grid = 8\nmax_error = '20%'"] {
+        for text in ["", "codec = 'table'", "max_bytes = 3000", "grid = 8\nratio = 4", "grid = 8\nmax_error = '30%'"] {
             for directions in [DirectionRange::ALL, seen_from_above] {
                 let mut recipe = options(text).expect("in range");
                 recipe.limit_directions(directions);
