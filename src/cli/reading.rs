@@ -36,13 +36,13 @@ impl From<ReadingOptions> for Reading {
 
 /// Opens a material with the settings.
 pub fn open_read(input: &Input, reading: ReadingOptions) -> Result<Material, Error> {
-    Ok(open_with(input, checked(reading, &[input])?)?)
+    open_with(input, checked(reading, &[input])?)
 }
 
 /// Checks the settings. Rejects flags that apply to none of the inputs.
 pub fn checked(reading: impl Into<Reading>, inputs: &[&Input]) -> Result<Reading, Error> {
     let reading = reading.into();
-    reading.check().map_err(|error| Error::wrong_usage(&format!("--{}", error.field), error.found, error.allowed))?;
+    reading.check().map_err(|error| Error::wrong_usage(format!("--{}", error.field), error.found, error.allowed))?;
     let (smooth, radius) = (reading.smooth.is_some(), matches!(reading.smooth, Some(Smooth::Radius(_))));
     let flags = [
         ("--neighbours", reading.neighbours.is_some(), [true, false], "scans"),
