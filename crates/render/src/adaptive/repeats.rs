@@ -7,7 +7,7 @@ use brdfc_formats::direction::{Vector, dot};
 /// Maximum repetitions per unit of a texture coordinate: single precision leaves 4096 steps for each.
 pub const MAX_REPEATS: f64 = 4096.0;
 
-/// Repetitions of a texture of this size in metres per unit of u and v, whole numbers of 1 to [`MAX_REPEATS`]. Texture
+/// Repetitions of a texture of this size in metres per unit of u and v, whole numbers of 1 to 4096. Texture
 /// coordinates of closed surfaces then meet without a seam.
 ///
 /// # Errors
