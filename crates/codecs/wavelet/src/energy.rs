@@ -7,7 +7,8 @@ use ndarray::Array3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Coefficients that a tree keeps at least, if it has that many.
+/// Coefficients that a tree keeps at least, if it and the finest tree have that many: levels of up to 4 x 4 cells are then
+/// complete, and have the energy of the table whatever the finest level has lost.
 const FEWEST: usize = 16;
 
 /// The table at a level of detail: means over squares of `2^(N-l) x 2^(N-l)` inner cells, weighted by `∫ cos θ_o dω`, so
@@ -46,10 +47,10 @@ pub fn padded(coarse: &Table, grid: Grid) -> Table {
     Table { grid, fold: coarse.fold.clone(), values }
 }
 
-/// Number of slices of the tree of a level, for a finest tree with `retained` slices: the same share.
+/// Number of slices of the tree of a level, for a finest tree with `retained` slices: the same share, but not too few.
 pub fn slices_of_tree(header: &Header, level: u32, retained: usize) -> usize {
     let (all, stored) = (1usize << (2 * level), 1usize << (2 * header.stored_levels));
-    (all * retained).div_ceil(stored).clamp(all.min(FEWEST), all)
+    (all * retained).div_ceil(stored).clamp(all.min(retained).min(FEWEST), all)
 }
 
 /// Number of slices of a pack whose finest tree has `retained` slices, including the zero slice.
@@ -121,7 +122,8 @@ mod tests {
         let of = |retained| [0, 1, 2, 3, 4].map(|level| slices_of_tree(&header, level, retained));
         assert_eq!(of(256), [1, 4, 16, 16, 64]);
         assert_eq!(of(1024), [1, 4, 16, 64, 256]);
-        assert_eq!(of(1), [1, 4, 16, 16, 16]);
+        assert_eq!(of(8), [1, 4, 8, 8, 8]);
+        assert_eq!(of(1), [1; 5]);
         assert_eq!(slices_in_all(&header, 256), 1 + 256 + 101);
         assert_eq!(slices_in_all(&Header { energy_preserving: false, ..header }, 256), 257);
     }
