@@ -58,13 +58,13 @@ class _WaveletPack(TypedDict):
     bias: float
     """ε."""
     index: NDArray[np.uint16]
-    """(4^N,): the slice of each coefficient, 0 if it has none."""
+    """The slice of each coefficient, 0 if it has none: 4^N, then those of other trees if the pack is energy-preserving."""
     scales: NDArray[np.float32]
     """(slices, 2): scale and offset."""
     texels: Union[NDArray[np.uint8], NDArray[np.uint16]]
     """(slices, rows, columns, 1 or 4): the largest integer represents 1."""
-    lift: Union[NDArray[np.float32], None]
-    """(4^N,): weight of the lower half in the pair of each coefficient. Only for energy-preserving packs."""
+    energy_preserving: bool
+    """True if each level l below the stored ones has a tree of its own, from coefficient 4^N + (4^l - 1) / 3 on."""
 
 @final
 class Material:

@@ -114,7 +114,7 @@ fn stages() -> Stages {
     let (table, _) = resample(&source, GRID);
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
     let logarithms = log_encode(&table, encoding);
-    let coefficients = haar::transform(&logarithms, false);
+    let coefficients = haar::transform(&logarithms);
     let recipe = Recipe { target: Target::Ratio(RATIO), measure_off_grid: false, ..Recipe::default() };
     let pack = encode(&source, &recipe, &()).expect("a ratio is always met").pack;
     Stages { source, table, encoding, logarithms, coefficients, pack }
@@ -123,10 +123,10 @@ fn stages() -> Stages {
 fn encoding(criterion: &mut Criterion) {
     let s = stages();
     let order = ranking(&slice_energies(&s.coefficients), GRID.levels);
-    let selected = keep(&order, s.pack.slices() - 1);
+    let selected = keep(&order, s.pack.retained());
     let mut group = criterion.benchmark_group("encode");
     group.bench_function("log", |b| b.iter(|| log_encode(black_box(&s.table), s.encoding)));
-    group.bench_function("haar", |b| b.iter(|| haar::transform(black_box(&s.logarithms), false)));
+    group.bench_function("haar", |b| b.iter(|| haar::transform(black_box(&s.logarithms))));
     group.bench_function("slice energies and ranking", |b| {
         b.iter(|| ranking(&slice_energies(black_box(&s.coefficients)), GRID.levels))
     });

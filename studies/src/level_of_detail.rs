@@ -80,6 +80,8 @@ pub struct LevelTime {
     /// Speed-up relative to the finest level, nearest and bilinear, after subtracting the time of frames without
     /// lights.
     pub speed_up: [f64; 2],
+    /// Mean luminance of the display over pixels that show terrain from 60 units away, if all pixels have this level.
+    pub luminance: f64,
     /// Speed-up in the paper, at the same number of levels below its finest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<f64>,
@@ -132,6 +134,16 @@ pub fn level_of_detail(
         Ok(best)
     };
     let time = |filter, level| time_of(&load(filter, level)?);
+    let animate = |level, samples| -> Result<Vec<LinearImage>, GpuError> {
+        let loaded = load(Filter::Bilinear, level)?;
+        let frame = Frame { samples, ..frame };
+        (0..FRAMES).map(|k| renderer.draw(&loaded, &moved(&scene, k), frame)).collect()
+    };
+    let finest_level = Some(finest as f32);
+    let smooth = animate(finest_level, SMOOTH_SAMPLES)?;
+    progress("smooth frames drawn");
+    let exposure = auto_exposure(&smooth[0]);
+    let far = far_pixels(&scene, frame);
     let dark = Scene { lights: Vec::new(), ..scene.clone() };
     let seconds_without_light = time_of(&renderer.load(&dark, &[pack], decoding(Filter::Slices, None))?)?;
     let mut levels: Vec<LevelTime> = Vec::new();
@@ -143,23 +155,14 @@ pub fn level_of_detail(
             fetches: [Filter::Slices, Filter::Bilinear].map(|filter| pack.fetches_at(level, filter)),
             seconds,
             speed_up: [0, 1].map(|k| (slowest[k] - seconds_without_light) / (seconds[k] - seconds_without_light)),
+            luminance: flicker(&animate(Some(level as f32), 1)?, &far, exposure).luminance,
             paper: (finest - level).checked_sub(1).and_then(|below| PAPER.get(below as usize).copied()),
         });
-        progress(&format!("level {level} timed"));
+        progress(&format!("level {level} timed and drawn"));
     }
     let seconds_by_distance = time(Filter::Bilinear, None)?;
 
-    let animate = |level, samples| -> Result<Vec<LinearImage>, GpuError> {
-        let loaded = load(Filter::Bilinear, level)?;
-        let frame = Frame { samples, ..frame };
-        (0..FRAMES).map(|k| renderer.draw(&loaded, &moved(&scene, k), frame)).collect()
-    };
-    let finest_level = Some(finest as f32);
-    let smooth = animate(finest_level, SMOOTH_SAMPLES)?;
-    progress("smooth frames drawn");
-    let exposure = auto_exposure(&smooth[0]);
     let animation = Animation { finest: animate(finest_level, 1)?, by_distance: animate(None, 1)?, smooth, exposure };
-    let far = far_pixels(&scene, frame);
     let result = LevelOfDetail {
         adapter: gpu.description().clone(),
         size: [frame.width, frame.height],

@@ -98,7 +98,7 @@ pub fn wavelet_table_1() -> Result<Vec<StudyRow>, StudyError> {
                 model: canonical(source.as_ref()),
                 bias,
                 ratio,
-                slices: fine.pack.slices() - 1,
+                slices: fine.pack.retained(),
                 mean: f64::from(fine.pack.header.mean),
                 rms: fine.on_grid.norms.rms,
                 relative: fine.on_grid.norms.relative_mean,

@@ -1,4 +1,4 @@
-"""Wavelet packs: the twin of `formats/src/wavelet/decode.rs` and `lift.rs`, whose functions have the same names."""
+"""Wavelet packs: the twin of `formats/src/wavelet/decode.rs`, whose functions have the same names."""
 
 import drjit as dr
 import mitsuba as mi
@@ -7,16 +7,6 @@ import numpy as np
 from .arithmetic import PI, Buffer, from_log, polynomial_atan2, safe_direction
 
 SQRT_2 = np.sqrt(np.float32(2.0)).item()
-
-
-def rise(h, lower):
-    """Difference between the logarithm of the mean of two halves and the mean of their logarithms: ln(s exp(h) + (1 - s) exp(-h)).
-
-    Halves are `h` above and below it, and the lower one counts `lower` of both.
-    """
-    size, upper = dr.abs(h), 1.0 - lower
-    brighter, darker = dr.select(h < 0.0, upper, lower), dr.select(h < 0.0, lower, upper)
-    return size + dr.log(brighter + darker * dr.exp(-2.0 * size))
 
 
 class WaveletDecoder:
@@ -31,8 +21,8 @@ class WaveletDecoder:
         self.first, self.size = pack["first"], pack["size"]
         level = float(self.levels) if level is None else min(max(float(level), 0.0), float(self.levels))
         self.whole, self.fraction = int(level), level - int(level)
-        # Coefficients of finer levels are 0.
-        self.last = min(self.whole + (1 if self.fraction > 0.0 else 0), pack["stored_levels"])
+        self.stored_levels = pack["stored_levels"]
+        self.trees = self.stored_levels if pack["energy_preserving"] else 0
         texels = pack["texels"]
         unorm = texels.astype(np.float32) * np.float32(1.0 / np.iinfo(texels.dtype).max)
         unorm = np.repeat(unorm, 3, axis=-1) if pack["channels"] == 1 else unorm[..., :3]
@@ -40,7 +30,6 @@ class WaveletDecoder:
         coefficients = offset[:, None, None, None] + scale[:, None, None, None] * unorm
         self.coefficients = Buffer(coefficients.reshape(-1, 3))
         self.index = Buffer(pack["index"].astype(np.uint32))
-        self.lift = None if pack["lift"] is None else Buffer(pack["lift"])
 
     def eval(self, i, o, active=True):
         """f_r in 1/sr, linear RGB, of unit vectors to the light and to the viewer; 0 at and below the horizon."""
@@ -55,36 +44,40 @@ class WaveletDecoder:
         log_value = mi.Color3f(0.0)
         for row, row_weight in rows:
             for column, column_weight in columns:
-                log_value += row_weight * column_weight * self.filtered(outer, column, row)
-        return log_value
-
-    def filtered(self, outer, column, row):
-        """One inner cell, filtered over outer cells; for energy-preserving packs, each cell is reconstructed separately."""
-        if self.lift is None:
-            return self.reconstruct(outer, column, row)
-        log_value = mi.Color3f(0.0)
-        for cell, weight in outer:
-            log_value += weight * self.reconstruct([(cell, 1.0)], column, row)
+                log_value += row_weight * column_weight * self.reconstruct(outer, column, row)
         return log_value
 
     def reconstruct(self, outer, column, row):
-        """Synthesis along one path of the tree."""
-        levels = self.levels
-        value = self.coefficient(0, outer) * 2.0**-levels
-        for j in range(self.last):
+        """An inner cell at the level of detail. Levels with trees of their own are blended between their values."""
+        if self.whole >= self.trees:
+            return self.path(0, self.levels, outer, column, row, self.whole, self.fraction)
+        coarser = self.of_level(self.whole, outer, column, row)
+        if self.fraction == 0.0:
+            return coarser
+        return coarser + self.fraction * (self.of_level(self.whole + 1, outer, column, row) - coarser)
+
+    def of_level(self, level, outer, column, row):
+        """An inner cell at a whole level of detail."""
+        if level >= self.trees:
+            return self.path(0, self.levels, outer, column, row, level, 0.0)
+        first, shift = (1 << (2 * self.levels)) + ((1 << (2 * level)) - 1) // 3, self.levels - level
+        return self.path(first, level, outer, column >> shift, row >> shift, level, 0.0)
+
+    def path(self, first, levels, outer, column, row, whole, fraction):
+        """Synthesis along one path of a tree, whose coefficients start at `first`."""
+        value = self.coefficient(first, outer) * 2.0**-levels
+        # Coefficients of finer levels are 0.
+        for j in range(min(whole + (1 if fraction > 0.0 else 0), self.stored_levels)):
             child_column, child_row = column >> (levels - j - 1), row >> (levels - j - 1)
             parent_column, parent_row = child_column >> 1, child_row >> 1
             side = 1 << j
-            latitude = side * side + parent_row * side + parent_column
-            longitude = 2 * side * side + child_row * side + parent_column
-            part = self.fraction if j == self.whole else 1.0
+            latitude = first + side * side + parent_row * side + parent_column
+            longitude = first + 2 * side * side + child_row * side + parent_column
+            part = fraction if j == whole else 1.0
             weight = part * 2.0 ** (j - levels)
-            # Difference between the lower halves and the mean.
             a = weight * self.coefficient(latitude, outer)
             b = weight * SQRT_2 * self.coefficient(longitude, outer)
             value += dr.select((child_row & 1) == 0, a, -a) + dr.select((child_column & 1) == 0, b, -b)
-            if self.lift is not None:
-                value -= rise(a, self.lift[latitude]) + rise(b, self.lift[longitude])
         return value
 
     def coefficient(self, coefficient, outer):

@@ -5,7 +5,6 @@ use brdfc_formats::container::TexelFormat;
 use brdfc_formats::crop::Window;
 use brdfc_formats::table::TablePack;
 use brdfc_formats::wavelet::WaveletPack;
-use brdfc_formats::wavelet::lift::Lift;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -73,13 +72,7 @@ fn add_wavelet(dict: &Bound<'_, PyDict>, pack: &WaveletPack) -> PyResult<()> {
             dict.set_item("texels", PyArray1::from_vec(py, words.collect()).reshape(shape)?)?;
         }
     }
-    if header.energy_preserving {
-        let lift = Lift::new(header.levels);
-        let shares: Vec<f32> = (0..header.cells()).map(|coefficient| lift.of_coefficient(coefficient)).collect();
-        dict.set_item("lift", PyArray1::from_vec(py, shares))?;
-    } else {
-        dict.set_item("lift", py.None())?;
-    }
+    dict.set_item("energy_preserving", header.energy_preserving)?;
     Ok(())
 }
 

@@ -77,10 +77,10 @@ pub struct EncodeOptions {
     /// table) or visible (smallest visible error: grazing angles and dark values count less; use with --bias 0.0003).
     #[cfg_attr(feature = "clap", arg(long, value_name = "BY"))]
     pub ranking: Option<String>,
-    /// Wavelet: energy-preserving. Coarser levels of detail and omitted slices do not darken renderings, because means
-    /// are taken over reflectances, not over logarithms.
+    /// Wavelet: levels of detail as in the paper, with one set of coefficients for all. The pack is smaller by about a
+    /// quarter, but its coarser levels darken renderings.
     #[cfg_attr(feature = "clap", arg(long, num_args = 0, default_missing_value = "true"))]
-    pub energy_preserving: Option<bool>,
+    pub plain_levels: Option<bool>,
     /// Scans: maximum ε_r of held-out rows, and of held-out incidences, against the fit to the other rows: a fraction
     /// or a percentage, 0.1 or 10%. Sources without a fit pass.
     #[cfg_attr(feature = "clap", arg(long, value_name = "E"))]
@@ -153,7 +153,7 @@ impl EncodeOptions {
             bits,
             bias,
             ranking,
-            energy_preserving,
+            plain_levels,
             max_fit_error: _,
             trust_fit: _,
         } = self;
@@ -163,7 +163,7 @@ impl EncodeOptions {
             ("bits", bits.is_some()),
             ("parameterisation", parameterisation.is_some()),
             ("ranking", ranking.is_some()),
-            ("energy_preserving", *energy_preserving == Some(true)),
+            ("plain_levels", *plain_levels == Some(true)),
             ("max_delta_e", max_delta_e.is_some()),
             ("min_highlight", min_highlight.is_some()),
             ("max_fetches", max_fetches.is_some()),
@@ -190,7 +190,7 @@ impl EncodeOptions {
                 }
             };
         }
-        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking energy_preserving)
+        only!(max_delta_e min_highlight max_error max_bytes max_fetches reciprocal levels ratio grid parameterisation bits bias ranking plain_levels)
     }
 
     /// Fills open options from `defaults`. All limits come from `self`, or all from `defaults`.
@@ -206,7 +206,7 @@ impl EncodeOptions {
             };
         }
         over!(
-            codec min_highlight reciprocal levels grid parameterisation bits bias ranking energy_preserving max_fit_error trust_fit;
+            codec min_highlight reciprocal levels grid parameterisation bits bias ranking plain_levels max_fit_error trust_fit;
             ratio max_delta_e max_error max_bytes max_fetches
         )
     }

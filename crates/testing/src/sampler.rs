@@ -32,8 +32,7 @@ pub struct SamplerCase {
     pub case: Case,
     /// Bounds for each number of an answer.
     pub allowed: Vec<[f64; 4]>,
-    /// True if the sampler filters along the texture's columns. False with a single column, and for energy-preserving
-    /// wavelet packs, whose cells are reconstructed one by one.
+    /// True if the sampler filters along the texture's columns. False with a single column.
     pub is_filtered: bool,
 }
 

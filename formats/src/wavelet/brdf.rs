@@ -32,11 +32,11 @@ impl Brdf for WaveletPack {
         self.header.levels
     }
 
-    /// One reconstruction per inner cell; energy-preserving packs need one per outer cell as well.
+    /// One reconstruction per inner cell. The scaling coefficient of a coarser level is read through the index map.
     fn fetches_at(&self, level: u32, filter: Filter) -> u32 {
         let inner = if filter == Filter::Bilinear { 4 } else { 1 };
-        let outer = if self.header.energy_preserving && filter != Filter::Nearest { 4 } else { 1 };
-        inner * outer * (4 * level + 1)
+        let scaling = if level < self.header.trees() { 2 } else { 1 };
+        inner * (4 * level + scaling)
     }
 
     fn off_grid(&self) -> ErrorSummary {

@@ -3,8 +3,7 @@
 //! All steps before the last exponential are f32 operations in a fixed order without fused operations. A shader that
 //! follows them with manual filtering produces the same bits.
 
-use super::haar::{self, Plain, detail_indices};
-use super::lift::{Lift, rise};
+use super::haar::{self, detail_indices};
 use crate::crop::Window;
 use crate::direction::{DirectionPair, Parameterisation, polynomial_atan2};
 use crate::wavelet::{Header, WaveletPack};
@@ -28,8 +27,6 @@ pub struct WaveletDecoder {
     header: Header,
     /// Stored outer cells.
     window: Window,
-    /// Weights of energy-preserving packs.
-    lift: Option<Lift>,
     index: Vec<u16>,
     /// Coefficients `[slice][cell][channel]`, slice 0 all zero.
     coefficients: Vec<f32>,
@@ -70,8 +67,7 @@ impl WaveletDecoder {
                 }
             }
         }
-        let lift = header.energy_preserving.then(|| Lift::new(header.levels));
-        Self { header, window, lift, index: pack.index.clone(), coefficients }
+        Self { header, window, index: pack.index.clone(), coefficients }
     }
 
     /// Sizes and constants of the pack.
@@ -99,33 +95,17 @@ impl WaveletDecoder {
         let footprint = footprint(outer_column, outer_row, self.window);
         let outer = &footprint[..if filter == Filter::Nearest { 1 } else { 4 }];
         let Filter::Bilinear = filter else {
-            return self.filtered(outer, inner_column.cells[0], inner_row.cells[0], level);
+            return self.reconstruct(outer, inner_column.cells[0], inner_row.cells[0], level);
         };
         let mut log_value = [0.0f32; 3];
         // Same order as `footprint`: rows outside, columns inside.
         for (row, row_weight) in [(0, 1.0 - inner_row.weight), (1, inner_row.weight)] {
             for (column, column_weight) in [(0, 1.0 - inner_column.weight), (1, inner_column.weight)] {
                 let weight = row_weight * column_weight;
-                let value = self.filtered(outer, inner_column.cells[column], inner_row.cells[row], level);
+                let value = self.reconstruct(outer, inner_column.cells[column], inner_row.cells[row], level);
                 for channel in 0..3 {
                     log_value[channel] += weight * value[channel];
                 }
-            }
-        }
-        log_value
-    }
-
-    /// Log-encoded value of one inner cell, filtered over outer cells. Filtering coefficients, as a sampler does,
-    /// equals filtering values, except for energy-preserving packs, whose outer cells are reconstructed one by one.
-    fn filtered(&self, outer: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
-        if self.lift.is_none() {
-            return self.reconstruct(outer, column, row, level);
-        }
-        let mut log_value = [0.0f32; 3];
-        for (cell, weight) in outer {
-            let value = self.reconstruct(&[(*cell, 1.0)], column, row, level);
-            for channel in 0..3 {
-                log_value[channel] += weight * value[channel];
             }
         }
         log_value
@@ -138,17 +118,45 @@ impl WaveletDecoder {
         if f > 0.0 { f.min(f32::MAX) } else { 0.0 }
     }
 
-    /// Synthesis (equation 2) along one path of the tree: log-encoded value of one inner cell.
-    ///
-    /// Each level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
-    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`. The sign depends on the half that contains the cell. Energy-preserving
-    /// packs first subtract the rise of the mean.
+    /// Log-encoded value of one inner cell at a level of detail. Levels with trees of their own are blended between their
+    /// values.
     fn reconstruct(&self, footprint: &[(usize, f32)], column: usize, row: usize, level: f32) -> [f32; 3] {
-        let levels = self.header.levels;
+        let (levels, trees) = (self.header.levels, self.header.trees());
         let level = level.clamp(0.0, levels as f32);
         let whole = level.floor() as u32;
         let fraction = level - level.floor();
-        let mut value = self.coefficient(0, footprint).map(|c| c * weight(levels));
+        if whole >= trees {
+            return self.path(0, levels, footprint, [column, row], level);
+        }
+        let of_level = |level: u32| {
+            let (first, depth) = if level < trees { (self.header.first_of_tree(level), level) } else { (0, levels) };
+            let cell = [column, row].map(|at| at >> (levels - depth));
+            self.path(first, depth, footprint, cell, level as f32)
+        };
+        let coarser = of_level(whole);
+        if fraction == 0.0 {
+            return coarser;
+        }
+        let finer = of_level(whole + 1);
+        std::array::from_fn(|channel| coarser[channel] + fraction * (finer[channel] - coarser[channel]))
+    }
+
+    /// Synthesis (equation 2) along one path of a tree: log-encoded value of one of its `2^levels x 2^levels` cells. The
+    /// coefficients of the tree start at `first`.
+    ///
+    /// Each level adds the latitude detail, then the longitude detail, with the weights that repeated division by √2
+    /// gives: `2^-(N-j)` and `√2 2^-(N-j)`. The sign depends on the half that contains the cell.
+    fn path(
+        &self,
+        first: usize,
+        levels: u32,
+        footprint: &[(usize, f32)],
+        [column, row]: [usize; 2],
+        level: f32,
+    ) -> [f32; 3] {
+        let whole = level.floor() as u32;
+        let fraction = level - level.floor();
+        let mut value = self.coefficient(first, footprint).map(|c| c * weight(levels));
         let last = whole + u32::from(fraction > 0.0);
         for j in 0..last {
             let (child_column, child_row) = (column >> (levels - j - 1), row >> (levels - j - 1));
@@ -158,18 +166,9 @@ impl WaveletDecoder {
             let latitude_sign = if child_row & 1 == 0 { scale } else { -scale };
             let longitude_scale = scale * SQRT_2;
             let longitude_sign = if child_column & 1 == 0 { longitude_scale } else { -longitude_scale };
-            let (a, b) = (self.coefficient(latitude, footprint), self.coefficient(longitude, footprint));
+            let a = self.coefficient(first + latitude, footprint);
+            let b = self.coefficient(first + longitude, footprint);
             let part = if j == whole { fraction } else { 1.0 };
-            if let Some(lift) = &self.lift {
-                let (rows, columns) = (lift.latitude(j, parent_row), lift.longitude(j, parent_column));
-                for channel in 0..3 {
-                    let (a, b) = (part * latitude_sign * a[channel], part * longitude_sign * b[channel]);
-                    let (sign_a, sign_b) = (latitude_sign.signum(), longitude_sign.signum());
-                    value[channel] += a - rise(sign_a * a, rows);
-                    value[channel] += b - rise(sign_b * b, columns);
-                }
-                continue;
-            }
             for channel in 0..3 {
                 value[channel] += part * (latitude_sign * a[channel] + longitude_sign * b[channel]);
             }
@@ -228,16 +227,13 @@ impl WaveletDecoder {
         let outer_cell = stored_cell(self.window, outer_cell % n, outer_cell / n);
         scratch.coefficients.resize(cells, 0.0);
         scratch.coefficients.fill(0.0);
-        for (k, slice) in self.index.iter().enumerate() {
+        for (k, slice) in self.index[..cells].iter().enumerate() {
             if *slice != 0 {
                 let texel = usize::from(*slice) * stored + outer_cell;
                 scratch.coefficients[k] = self.coefficients[texel * channels + channel];
             }
         }
-        match &self.lift {
-            Some(lift) => haar::inverse(&scratch.coefficients, n, lift, output, &mut scratch.split),
-            None => haar::inverse(&scratch.coefficients, n, &Plain, output, &mut scratch.split),
-        }
+        haar::inverse(&scratch.coefficients, n, output, &mut scratch.split);
     }
 }
 

@@ -21,8 +21,8 @@
 //     1 slices     one reconstruction, slices filtered bilinearly (section 5.2)
 //     2 bilinear   four reconstructions around the inner direction, blended (section 5.4.2)
 //
-// Samplers cannot filter the outer direction of energy-preserving packs: both functions reconstruct its four cells one
-// by one.
+// Energy-preserving packs have a tree for each level, whose scaling coefficient is read through the index map, too: one
+// fetch more. Between levels both are reconstructed.
 
 // Same fields and order as `WaveletBrdfParameters` of `brdfc-formats`. 48 bytes.
 struct WaveletBrdfParameters {
@@ -36,15 +36,15 @@ struct WaveletBrdfParameters {
     scaling_offset: f32,     // of slice 1
     slices: f32,             // depth of the 3D texture
     reserved_1: f32,
-    energy_preserving: u32,             // 1 energy-preserving: coarser cells are logarithms of means; 0 means of logarithms
+    trees: u32,              // levels of detail with trees of their own; 0 if the pack is not energy-preserving
     window: u32,             // stored outer cells: first column, first row, columns, rows, 8 bits each
 }
 
 @group(1) @binding(5) var<uniform> wavelet_brdf_parameters: WaveletBrdfParameters;
 // Texture of the KTX2 file.
 @group(1) @binding(6) var wavelet_brdf_slices: texture_3d<f32>;
-// 2^N x 2^N texels of 32-bit floats, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and the share
-// of the lower half in energy-preserving packs.
+// Texels of 32-bit floats, 2^N per row, coefficient k at (k mod 2^N, k / 2^N): slice, its scale, its offset, and 0. Trees
+// of coarser levels follow the finest one.
 @group(1) @binding(7) var wavelet_brdf_index: texture_2d<f32>;
 // Linear filter, clamp to edge.
 @group(1) @binding(8) var wavelet_brdf_sampler: sampler;
@@ -107,50 +107,21 @@ fn wavelet_brdf_log_value(wi: vec3<f32>, wo: vec3<f32>, level: f32, hardware: bo
     let axes = wavelet_brdf_axes(wi, wo);
     let outer = wavelet_brdf_taps(axes.outer, brdfc_frame.blend > 0u);
     let inner = wavelet_brdf_taps(axes.inner, brdfc_frame.blend == 2u);
+    let cells = select(4u, 1u, brdfc_frame.blend == 0u);
     if brdfc_frame.blend < 2u {
-        return wavelet_brdf_filtered(outer, inner.column.lower, inner.row.lower, level, hardware);
+        return wavelet_brdf_reconstruct(outer, cells, inner.column.lower, inner.row.lower, level, hardware);
     }
     var value = vec3<f32>(0.0);
     for (var k = 0u; k < 4u; k += 1u) {
         let column = wavelet_brdf_cell(inner.column, k & 1u);
         let row = wavelet_brdf_cell(inner.row, k >> 1u);
         let weight = wavelet_brdf_cell_weight(inner.row, k >> 1u) * wavelet_brdf_cell_weight(inner.column, k & 1u);
-        value += weight * wavelet_brdf_filtered(outer, column, row, level, hardware);
+        value += weight * wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
     }
     return value;
 }
 
-// Value of one inner cell, filtered over outer cells. Filtering coefficients, as a sampler does, equals filtering
-// values, except for energy-preserving packs, whose outer cells are reconstructed one by one.
-fn wavelet_brdf_filtered(
-    outer: WaveletBrdfTaps,
-    column: u32,
-    row: u32,
-    level: f32,
-    hardware: bool,
-) -> vec3<f32> {
-    let cells = select(4u, 1u, brdfc_frame.blend == 0u);
-    if wavelet_brdf_parameters.energy_preserving == 0u {
-        return wavelet_brdf_reconstruct(outer, cells, column, row, level, hardware);
-    }
-    var value = vec3<f32>(0.0);
-    for (var k = 0u; k < cells; k += 1u) {
-        let at = WaveletBrdfTaps(wavelet_brdf_only(outer.column, k & 1u), wavelet_brdf_only(outer.row, k >> 1u));
-        let weight = wavelet_brdf_cell_weight(outer.row, k >> 1u) * wavelet_brdf_cell_weight(outer.column, k & 1u);
-        value += weight * wavelet_brdf_reconstruct(at, 1u, column, row, level, false);
-    }
-    return value;
-}
-
-// One of the two cells.
-fn wavelet_brdf_only(tap: WaveletBrdfTap, upper: u32) -> WaveletBrdfTap {
-    let cell = wavelet_brdf_cell(tap, upper);
-    return WaveletBrdfTap(cell, cell, 0.0, tap.position);
-}
-
-// Section 5.3, synthesis (equation 2) along one path of the tree. Level j refines 2^j x 2^j cells to twice as many per
-// axis: first the latitude detail with weight 2^-(N-j), then the longitude detail with weight √2 2^-(N-j). These
-// weights combine the divisions by √2 of all levels; the sign depends on the half.
+// Value of an inner cell at a level of detail. Levels with trees of their own are blended between their values.
 fn wavelet_brdf_reconstruct(
     outer: WaveletBrdfTaps,
     cells: u32,
@@ -160,21 +131,51 @@ fn wavelet_brdf_reconstruct(
     hardware: bool,
 ) -> vec3<f32> {
     let levels = wavelet_brdf_parameters.levels;
+    let trees = wavelet_brdf_parameters.trees;
     let clamped = clamp(level, 0.0, f32(levels));
     let whole = u32(floor(clamped));
     let fraction = clamped - floor(clamped);
+    let is_finest = whole >= trees;
+    var values: array<vec3<f32>, 2>;
+    for (var k = 0u; k < select(2u, 1u, is_finest || fraction == 0.0); k += 1u) {
+        let own = whole + k;
+        let has_tree = own < trees;
+        let depth = select(levels, own, has_tree);
+        let first = select(0u, (1u << (2u * levels)) + ((1u << (2u * own)) - 1u) / 3u, has_tree);
+        let at = vec2<u32>(column, row) >> vec2<u32>(levels - depth);
+        values[k] = wavelet_brdf_path(first, depth, outer, cells, at, select(f32(own), clamped, is_finest), hardware);
+    }
+    if is_finest || fraction == 0.0 {
+        return values[0];
+    }
+    return values[0] + fraction * (values[1] - values[0]);
+}
+
+// Section 5.3, synthesis (equation 2) along one path of a tree, whose coefficients start at `first`. Level j refines
+// 2^j x 2^j cells to twice as many per axis: first the latitude detail with weight 2^-(N-j), then the longitude detail
+// with weight √2 2^-(N-j). These weights combine the divisions by √2 of all levels; the sign depends on the half.
+fn wavelet_brdf_path(
+    first: u32,
+    levels: u32,
+    outer: WaveletBrdfTaps,
+    cells: u32,
+    at: vec2<u32>,
+    level: f32,
+    hardware: bool,
+) -> vec3<f32> {
+    let whole = u32(floor(level));
+    let fraction = level - floor(level);
     let last = whole + select(0u, 1u, fraction > 0.0);
-    let scaling = vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
-    var value = wavelet_brdf_coefficient(scaling, outer, cells, hardware) * wavelet_brdf_weight(levels);
+    var value = wavelet_brdf_coefficient(wavelet_brdf_scaling(first), outer, cells, hardware) * wavelet_brdf_weight(levels);
     for (var j = 0u; j < last; j += 1u) {
-        let child_column = column >> (levels - j - 1u);
-        let child_row = row >> (levels - j - 1u);
+        let child_column = at.x >> (levels - j - 1u);
+        let child_row = at.y >> (levels - j - 1u);
         let parent_column = child_column >> 1u;
         let parent_row = child_row >> 1u;
         let side = 1u << j;
-        let first = side * side;
-        let latitude = wavelet_brdf_entry(first + parent_row * side + parent_column);
-        let longitude = wavelet_brdf_entry(2u * first + child_row * side + parent_column);
+        let of_level = first + side * side;
+        let latitude = wavelet_brdf_entry(of_level + parent_row * side + parent_column);
+        let longitude = wavelet_brdf_entry(of_level + side * side + child_row * side + parent_column);
         let weight = wavelet_brdf_weight(levels - j);
         let latitude_weight = select(-weight, weight, (child_row & 1u) == 0u);
         let longitude_weight = select(-(weight * WAVELET_BRDF_SQRT_2), weight * WAVELET_BRDF_SQRT_2, (child_column & 1u) == 0u);
@@ -183,13 +184,6 @@ fn wavelet_brdf_reconstruct(
         // The coarser value is an intermediate result of the finer one, so blending levels needs no second
         // reconstruction.
         let part = select(1.0, fraction, j == whole);
-        if wavelet_brdf_parameters.energy_preserving == 1u {
-            let of_rows = part * latitude_weight * a;
-            let of_columns = part * longitude_weight * b;
-            value += of_rows - wavelet_brdf_rise(sign(latitude_weight) * of_rows, latitude.w);
-            value += of_columns - wavelet_brdf_rise(sign(longitude_weight) * of_columns, longitude.w);
-            continue;
-        }
         value += part * (latitude_weight * a + longitude_weight * b);
     }
     return value;
@@ -200,40 +194,15 @@ fn wavelet_brdf_weight(n: u32) -> f32 {
     return bitcast<f32>((127u - n) << 23u);
 }
 
-// Difference between the logarithm of the mean of two halves and the mean of their logarithms. The logarithms are h
-// above and below their mean and the lower half has the weight `lower`: ln(lower exp(h) + (1 - lower) exp(-h)).
-fn wavelet_brdf_rise(h: vec3<f32>, lower: f32) -> vec3<f32> {
-    let size = abs(h);
-    let upper = 1.0 - lower;
-    let brighter = select(vec3<f32>(lower), vec3<f32>(upper), h < vec3<f32>(0.0));
-    let darker = select(vec3<f32>(upper), vec3<f32>(lower), h < vec3<f32>(0.0));
-    return size + wavelet_brdf_ln(brighter + darker * wavelet_brdf_exp(-2.0 * size));
+// Entry of the scaling coefficient of a tree. That of the finest tree is in slice 1.
+fn wavelet_brdf_scaling(first: u32) -> vec4<f32> {
+    if first > 0u {
+        return wavelet_brdf_entry(first);
+    }
+    return vec4<f32>(1.0, wavelet_brdf_parameters.scaling_scale, wavelet_brdf_parameters.scaling_offset, 0.0);
 }
 
-// exp(x) for x <= 0 with a relative error below 2.5e-7 down to -80. Built-in functions differ between GPUs.
-fn wavelet_brdf_exp(value: vec3<f32>) -> vec3<f32> {
-    let x = max(value, vec3<f32>(-87.0));
-    let k = round(x * 1.442695);
-    let r = (x - k * 0.6933594) - k * -2.1219444e-4;
-    let p = 0.5 + r * (1.666652e-1 + r * (4.1666206e-2 + r * (8.368882e-3 + r * 1.3950478e-3)));
-    let scale = bitcast<vec3<f32>>((vec3<i32>(k) + 127) << vec3<u32>(23u));
-    // Drivers may reorder additions of constants; this expression has none.
-    return scale + (r + r * r * p) * scale;
-}
-
-// ln(y) for numbers from 1/8 to 1 with a relative error below 3e-7.
-fn wavelet_brdf_ln(y: vec3<f32>) -> vec3<f32> {
-    let bits = bitcast<vec3<i32>>(y);
-    let exponent = (bits - 0x3f3504f3) >> vec3<u32>(23u);
-    let z = bitcast<vec3<f32>>(bits - (exponent << vec3<u32>(23u))) - 1.0;
-    var p = 1.276156e-1 + z * -7.634455e-2;
-    p = 2.0001227e-1 + z * (-1.6623357e-1 + z * (1.420176e-1 + z * (-1.316019e-1 + z * p)));
-    p = 3.333333e-1 + z * (-2.500082e-1 + z * p);
-    return vec3<f32>(exponent) * 0.6931472 + (z + z * z * (z * p - 0.5));
-}
-
-// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 if it was dropped, and the fourth
-// component of the map.
+// Figure 6: the compression map. Slice, scale and offset of a coefficient, all 0 if it was dropped.
 fn wavelet_brdf_entry(coefficient: u32) -> vec4<f32> {
     let levels = wavelet_brdf_parameters.levels;
     let texel = vec2<u32>(coefficient & ((1u << levels) - 1u), coefficient >> levels);

@@ -1,6 +1,5 @@
 //! Key/value data of a wavelet pack and its validation. Normative text: `formats/src/wavelet/spec.md`.
 
-use super::lift::Lift;
 use super::shader::{WaveletBrdfParameters, index_texels};
 use crate::bindings::{Binding, Bindings, PackFile, Texels};
 use crate::container::entries::{self, check_texels, sized};
@@ -30,7 +29,6 @@ impl WaveletPack {
     /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
         const SAMPLER: &str = "wavelet_brdf_sampler";
-        let grid = self.header.grid() as u32;
         let index: Vec<u8> = index_texels(self).into_iter().flatten().flat_map(f32::to_le_bytes).collect();
         let slices = Texels::new(self.header.texel_format(), Extent::D3(self.extent()), &self.texels[..]);
         let parameters = WaveletBrdfParameters::new(self).to_bytes().to_vec();
@@ -41,7 +39,11 @@ impl WaveletPack {
                 Binding::frame(),
                 Binding::uniform(5, "wavelet_brdf_parameters", parameters),
                 Binding::texture(6, "wavelet_brdf_slices", slices.of_file().sampled(SAMPLER)),
-                Binding::texture(7, INDEX, Texels::new(TexelFormat::Rgba32Float, Extent::D2([grid; 2]), index)),
+                Binding::texture(
+                    7,
+                    INDEX,
+                    Texels::new(TexelFormat::Rgba32Float, Extent::D2(self.header.index_extent()), index),
+                ),
                 Binding::sampler(8, SAMPLER, false),
             ],
         )
@@ -149,34 +151,35 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
     Ok((Header { parameterisation, levels, stored_levels, channels, bits, mean, bias, energy_preserving }, slices))
 }
 
-/// Maximum deviation of the share of a lower half from the share that [`Lift`] computes: sines differ between
-/// platforms.
-const SHARE_TOLERANCE: f32 = 1e-6;
-
 /// Slices of all coefficients, and scales of all slices.
 fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<u16>, Vec<SliceScale>), FormatError> {
-    check_texels(texture, INDEX, Extent::D2([header.grid() as u32; 2]), TexelFormat::Rgba32Float, HEADER)?;
-    let lift = header.energy_preserving.then(|| Lift::new(header.levels));
-    // Stored coefficients use slices 1, 2, ... in order. Levels finer than the stored ones have no slices.
+    check_texels(texture, INDEX, Extent::D2(header.index_extent()), TexelFormat::Rgba32Float, HEADER)?;
+    // Stored coefficients use slices 1, 2, ... in order. Levels finer than the stored ones have no slices; the scaling
+    // coefficient of each tree has one.
     let finest = 1usize << (2 * header.stored_levels);
-    let (mut index, mut scales) = (Vec::with_capacity(header.cells()), vec![SliceScale::default()]);
+    let (cells, coefficients) = (header.cells(), header.coefficients());
+    let scalings: Vec<usize> = (0..header.trees()).map(|level| header.first_of_tree(level)).collect();
+    let (mut index, mut scales) = (Vec::with_capacity(coefficients), vec![SliceScale::default()]);
     for (coefficient, texel) in texture.texels.as_chunks::<4>().0.as_chunks::<4>().0.iter().enumerate() {
-        let [slice, scale, offset, share] = texel.map(f32::from_le_bytes);
+        let [slice, scale, offset, zero] = texel.map(f32::from_le_bytes);
         let wrong = |field: &str, found: String, allowed: String| {
             Err(FormatError::whole(format!("{INDEX} coefficient {coefficient}, {field}"), found, allowed))
         };
         let (next, stored) = (scales.len(), slice.to_bits() != 0);
-        if stored && (slice != next as f32 || coefficient >= finest) || coefficient == 0 && !stored {
+        let is_scaling = coefficient == 0 || scalings.contains(&coefficient);
+        let may_be_stored = coefficient < finest || (cells..coefficients).contains(&coefficient);
+        if stored && (slice != next as f32 || !may_be_stored) || is_scaling && !stored {
             let allowed = match coefficient {
                 0 => "1, the scaling slice".to_owned(),
-                _ if coefficient >= finest => "0, because this level is not stored".to_owned(),
+                _ if is_scaling => format!("{next}, the scaling slice of a tree"),
+                _ if coefficient >= coefficients => "0, because there is no such coefficient".to_owned(),
+                _ if !may_be_stored => "0, because this level is not stored".to_owned(),
                 _ => format!("0 or {next}, the next slice"),
             };
             return wrong("slice", slice.to_string(), allowed);
         }
-        let expected = lift.as_ref().map_or(0.0, |lift| lift.of_coefficient(coefficient));
-        if (share - expected).abs().partial_cmp(&SHARE_TOLERANCE).is_none_or(std::cmp::Ordering::is_gt) {
-            return wrong("share of the lower half", share.to_string(), expected.to_string());
+        if zero.to_bits() != 0 {
+            return wrong("fourth component", zero.to_string(), "0".to_owned());
         }
         let fine = scale >= 0.0 && offset.is_finite() && (scale + offset).is_finite();
         if !fine || !stored && [scale, offset].map(f32::to_bits) != [0; 2] {
@@ -184,7 +187,9 @@ fn read_index(texture: &Texture, header: &Header, slices: usize) -> Result<(Vec<
                 if stored { "numbers with a finite sum, non-negative scale" } else { "0 and 0 for the zero slice" };
             return wrong("scale and offset", format!("{scale} and {offset}"), allowed.to_owned());
         }
-        index.push(if stored { next as u16 } else { 0 });
+        if coefficient < coefficients {
+            index.push(if stored { next as u16 } else { 0 });
+        }
         if stored {
             scales.push(SliceScale { scale, offset });
         }

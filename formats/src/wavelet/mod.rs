@@ -6,7 +6,6 @@ mod decode;
 pub(crate) mod descriptor;
 pub mod haar;
 mod layout;
-pub mod lift;
 mod pack;
 pub mod shader;
 

@@ -31,8 +31,8 @@ pub struct Header {
     pub mean: f32,
     /// `ε` of the log encoding `ln(f / μ + ε)`, positive.
     pub bias: f32,
-    /// True for energy-preserving packs, whose coarser cells are logarithms of means, see [`super::lift`]; false for
-    /// means of logarithms, as in the paper.
+    /// True for energy-preserving packs, in which each level of detail has a tree of its own, of logarithms of means; false
+    /// for one tree, as in the paper, whose coarser levels are means of logarithms and darker.
     pub energy_preserving: bool,
 }
 
@@ -45,6 +45,33 @@ impl Header {
     /// Cells of one hemisphere, which is also the number of wavelet coefficients.
     pub fn cells(&self) -> usize {
         self.grid() * self.grid()
+    }
+
+    /// Number of levels of detail below the finest that have a tree of their own: the stored ones of energy-preserving
+    /// packs, and none of others.
+    pub fn trees(&self) -> u32 {
+        if self.energy_preserving { self.stored_levels } else { 0 }
+    }
+
+    /// Number of the first coefficient of the tree of a level of detail below [`Self::trees`].
+    pub fn first_of_tree(&self, level: u32) -> usize {
+        self.cells() + coefficients_below(level)
+    }
+
+    /// Coefficient of the finest tree in the place of a coefficient of any tree.
+    pub fn in_finest_tree(&self, coefficient: usize) -> usize {
+        let first = (0..self.trees()).rev().map(|level| self.first_of_tree(level)).find(|first| coefficient >= *first);
+        coefficient - first.unwrap_or(0)
+    }
+
+    /// Number of coefficients: those of the finest level, and those of the other trees.
+    pub fn coefficients(&self) -> usize {
+        self.first_of_tree(self.trees())
+    }
+
+    /// Columns and rows of the index map: a row of `2^N` texels for `2^N` coefficients.
+    pub fn index_extent(&self) -> [u32; 2] {
+        [self.grid() as u32, self.coefficients().div_ceil(self.grid()) as u32]
     }
 
     /// Texel format: 1 or 4 components of 8 or 16 bits.
@@ -72,8 +99,8 @@ pub struct SliceScale {
 pub struct WaveletPack {
     /// Sizes, parameterisation and constants of the pack.
     pub header: Header,
-    /// Compression map of the paper: slice of each coefficient, 0 if it was dropped. Has `cells` elements. Element 0,
-    /// the scaling coefficient, has slice 1.
+    /// Compression map of the paper: slice of each coefficient, 0 if it was dropped. Has
+    /// [`Header::coefficients`] elements. Element 0, the scaling coefficient, has slice 1.
     pub index: Vec<u16>,
     /// One per slice; slice 0, the zero slice, has scale and offset 0.
     pub scales: Vec<SliceScale>,
@@ -126,6 +153,11 @@ impl WaveletPack {
         self.scales.len()
     }
 
+    /// Coefficients of the finest level that have a slice.
+    pub fn retained(&self) -> usize {
+        self.index[..self.header.cells()].iter().filter(|slice| **slice != 0).count()
+    }
+
     /// GPU memory of the texture and the index map, bytes. The index map has a slice number, scale and offset per
     /// coefficient (16 bytes, see [`crate::wavelet::shader`]).
     pub fn gpu_bytes(&self) -> u64 {
@@ -136,5 +168,11 @@ impl WaveletPack {
 /// GPU memory of a pack with this many slices of such a window, including the zero slice, bytes.
 pub fn gpu_bytes(header: &Header, window: Window, slices: usize) -> u64 {
     let texture = (window.size[0] * window.size[1]) as usize * slices * header.texel_format().texel_bytes();
-    (texture + INDEX_BYTES * header.cells()) as u64
+    let [columns, rows] = header.index_extent();
+    (texture + INDEX_BYTES * (columns * rows) as usize) as u64
+}
+
+/// Number of coefficients of the trees of all levels below one: `Σ 4^l`.
+fn coefficients_below(level: u32) -> usize {
+    ((1 << (2 * level)) - 1) / 3
 }

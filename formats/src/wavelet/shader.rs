@@ -1,6 +1,5 @@
 //! Shader side of wavelet packs: `formats/src/wavelet/decode.wgsl`, its uniform block and its index map.
 
-use super::lift::Lift;
 use crate::arc_tangent::arc_tangent_wgsl;
 use crate::crop::Window;
 use crate::cursor::block_bytes;
@@ -40,8 +39,8 @@ pub struct WaveletBrdfParameters {
     pub scaling_offset: f32,
     /// Depth of the texture, including the zero slice.
     pub slices: f32,
-    /// 1 for energy-preserving packs, otherwise 0.
-    pub energy_preserving: u32,
+    /// Number of levels of detail with trees of their own.
+    pub trees: u32,
     /// Rectangle of outer cells that the pack stores.
     pub window: Window,
 }
@@ -62,7 +61,7 @@ impl WaveletBrdfParameters {
             scaling_scale: pack.scales[1].scale,
             scaling_offset: pack.scales[1].offset,
             slices: pack.slices() as f32,
-            energy_preserving: u32::from(header.energy_preserving),
+            trees: header.trees(),
             window: pack.window(),
         }
     }
@@ -82,21 +81,23 @@ impl WaveletBrdfParameters {
             self.scaling_offset.to_bits(),
             self.slices.to_bits(),
             0,
-            self.energy_preserving,
+            self.trees,
             window,
         ];
         block_bytes(words)
     }
 }
 
-/// Index map as texels of four 32-bit floats, `2^N x 2^N` of them. Coefficient `k` at `(k mod 2^N, k / 2^N)` has its
-/// slice, scale and offset, and in energy-preserving packs the share of its lower half, otherwise 0.
+/// Index map as texels of four 32-bit floats, [`Header::index_extent`] of them. Coefficient `k` at `(k mod 2^N, k / 2^N)`
+/// has its slice, scale and offset, and 0; texels after the last coefficient are 0.
+///
+/// [`Header::index_extent`]: super::Header::index_extent
 pub(super) fn index_texels(pack: &WaveletPack) -> Vec<[f32; 4]> {
-    let lift = pack.header.energy_preserving.then(|| Lift::new(pack.header.levels));
-    let entry = |(coefficient, slice): (usize, &u16)| {
+    let entry = |slice: &u16| {
         let scale = pack.scales[usize::from(*slice)];
-        let lower = lift.as_ref().map_or(0.0, |lift| lift.of_coefficient(coefficient));
-        [f32::from(*slice), scale.scale, scale.offset, lower]
+        [f32::from(*slice), scale.scale, scale.offset, 0.0]
     };
-    pack.index.iter().enumerate().map(entry).collect()
+    let [columns, rows] = pack.header.index_extent();
+    let rest = (columns * rows) as usize - pack.index.len();
+    pack.index.iter().map(entry).chain(std::iter::repeat_n([0.0; 4], rest)).collect()
 }

@@ -24,9 +24,9 @@ enum Mistake {
     NoMean,
     TexelRange,
     CellEdges,
-    NoRise,
-    EvenHalves,
-    SwappedHalves,
+    FinestTree,
+    SwappedCells,
+    CoarserLevel,
 }
 
 struct Equations<'a> {
@@ -60,30 +60,32 @@ impl Equations<'_> {
         f64::from(scale.offset) + f64::from(scale.scale) * f64::from(stored) / full
     }
 
-    /// Difference between the logarithm of the mean of two halves and the mean of their logarithms. Halves meet at
-    /// `angle`; each has `width` and is weighted by the integral of `sin^power`.
-    fn rise(&self, h: f64, angle: f64, width: f64, power: i32) -> f64 {
-        let mut counts = [-1.0, 1.0].map(|side| {
-            let steps = 200;
-            let at = |k: i32| angle + side * width * (f64::from(k) + 0.5) / f64::from(steps);
-            (0..steps).map(|k| at(k).sin().powi(power)).sum::<f64>()
-        });
-        if self.is(Mistake::EvenHalves) {
-            counts = [1.0; 2];
-        }
-        if self.is(Mistake::SwappedHalves) {
-            counts.reverse();
-        }
-        if self.is(Mistake::NoRise) {
-            return 0.0;
-        }
-        ((counts[0] * h.exp() + counts[1] * (-h).exp()) / (counts[0] + counts[1])).ln()
-    }
-
     /// `v(c, r)` at level of detail `l`.
     fn value(&self, cell: usize, column: usize, row: usize, level: f64, channel: usize) -> f64 {
-        let coefficient = |k| self.coefficient(k, cell, channel);
-        let n = self.pack.header.levels as i32;
+        let header = &self.pack.header;
+        let level = level.clamp(0.0, f64::from(header.levels));
+        let of_level = |whole: f64| {
+            let depth = whole as u32;
+            if !header.energy_preserving || depth >= header.stored_levels || self.is(Mistake::FinestTree) {
+                return self.path(0, header.levels, cell, [column, row], whole, channel);
+            }
+            // Trees of 1, 4, 16, ... coefficients follow the finest one.
+            let first = (1usize << (2 * header.levels)) + (0..depth).map(|l| 4usize.pow(l)).sum::<usize>();
+            let at = [column, row].map(|at| at >> (header.levels - depth));
+            let at = if self.is(Mistake::SwappedCells) { [at[1], at[0]] } else { at };
+            self.path(first, depth, cell, at, whole, channel)
+        };
+        if !header.energy_preserving {
+            return self.path(0, header.levels, cell, [column, row], level, channel);
+        }
+        let part = if self.is(Mistake::CoarserLevel) { 0.0 } else { level.fract() };
+        (1.0 - part) * of_level(level.floor()) + part * of_level(level.ceil())
+    }
+
+    /// Sum of the tree of `n` levels that starts at the coefficient `first`, up to a level.
+    fn path(&self, first: usize, n: u32, cell: usize, [column, row]: [usize; 2], level: f64, channel: usize) -> f64 {
+        let coefficient = |k| self.coefficient(first + k, cell, channel);
+        let n = n as i32;
         let scaling = if self.is(Mistake::ScalingWeight) { 1 - n } else { -n };
         let mut sum = 2f64.powi(scaling) * coefficient(0);
         for j in 0..n {
@@ -103,12 +105,6 @@ impl Equations<'_> {
             let of_rows = part * latitude_weight * self.sign(Mistake::LatitudeSign) * coefficient(latitude);
             let of_columns = part * longitude_weight * self.sign(Mistake::LongitudeSign) * coefficient(longitude);
             sum += plus_or_minus(bit(row, n - j - 1)) * of_rows + plus_or_minus(bit(column, n - j - 1)) * of_columns;
-            if self.pack.header.energy_preserving {
-                let width = PI / f64::from(2 << j);
-                let middle = |parent: usize| f64::from(2 * parent as u32 + 1) * width;
-                sum -= self.rise(of_rows, middle(above(row, n - j)), width, 2);
-                sum -= self.rise(of_columns, middle(above(column, n - j)), width, 1);
-            }
         }
         sum
     }
@@ -248,7 +244,13 @@ fn the_decoder_is_within_the_bound_of_the_page() {
 
 #[test]
 fn mistakes_in_energy_preserving_packs_are_detected() {
-    for mistake in [Mistake::NoRise, Mistake::EvenHalves, Mistake::SwappedHalves, Mistake::LatitudeSign] {
+    for mistake in [
+        Mistake::FinestTree,
+        Mistake::SwappedCells,
+        Mistake::CoarserLevel,
+        Mistake::ScalingWeight,
+        Mistake::LatitudeSign,
+    ] {
         let difference = difference(&pack(energy_preserving(3, 3, 8), 64, 31), mistake);
         assert!(difference > 1e-3, "{mistake:?}: {difference:e}");
     }

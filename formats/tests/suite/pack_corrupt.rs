@@ -189,9 +189,8 @@ fn scales_are_finite_and_not_negative() {
         (0, 2, f32::NAN, "scale and offset"),
         (0, 2, f32::NEG_INFINITY, "scale and offset"),
         (2, 2, f32::INFINITY, "scale and offset"),
-        // The pack is not energy-preserving.
-        (2, 3, 0.5, "share of the lower half"),
-        (0, 3, f32::NAN, "share of the lower half"),
+        (2, 3, 0.5, "fourth component"),
+        (0, 3, f32::NAN, "fourth component"),
     ] {
         let mut changed = good;
         changed[coefficient][word] = value;

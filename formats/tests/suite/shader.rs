@@ -9,7 +9,6 @@ use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, MarchSteps};
 use brdfc_formats::table::shader::TABLE_BRDF_WGSL;
 use brdfc_formats::wavelet::WaveletPack;
-use brdfc_formats::wavelet::lift::Lift;
 use brdfc_formats::wavelet::shader::{WAVELET_BRDF_WGSL, WaveletBrdfParameters};
 use brdfc_testing::codecs::flat_btf::{SMALL, base_file, layers_of, parts, vdim_file};
 use brdfc_testing::codecs::wavelet::{energy_preserving, header, pack};
@@ -74,7 +73,7 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
             "scaling_offset" => pack.scales[1].offset.to_bits(),
             "slices" => (pack.slices() as f32).to_bits(),
             "reserved_0" | "reserved_1" => 0,
-            "energy_preserving" => 0,
+            "trees" => 0,
             "window" => 0x0503_0201,
             _ => panic!("no such field: {name}"),
         };
@@ -82,9 +81,9 @@ fn the_uniform_block_is_the_one_that_rust_writes() {
         let float = ["mean", "bias", "scaling_scale", "scaling_offset", "slices", "reserved_1"].contains(&name);
         let kind = module.types[member.ty].inner.scalar_kind();
         assert_eq!(kind, Some(if float { naga::ScalarKind::Float } else { naga::ScalarKind::Uint }), "{name}");
-        if name == "energy_preserving" {
-            let energy_preserving = WaveletBrdfParameters::new(&self::pack(energy_preserving(2, 1, 8), 3, 1));
-            assert_eq!(energy_preserving.to_bytes()[member.offset as usize..][..4], [1, 0, 0, 0]);
+        if name == "trees" {
+            let preserving = WaveletBrdfParameters::new(&self::pack(energy_preserving(2, 1, 8), 3, 1));
+            assert_eq!(preserving.to_bytes()[member.offset as usize..][..4], [2, 0, 0, 0]);
         }
         seen += 1;
     }
@@ -108,10 +107,11 @@ fn the_index_map_has_slice_scale_and_offset() {
         let scale = pack.scales[usize::from(*slice)];
         assert_eq!(*texel, [f32::from(*slice), scale.scale, scale.offset, 0.0]);
     }
-    let lift = Lift::new(2);
-    let found = texels_of(&self::pack(energy_preserving(2, 1, 8), 5, 3));
-    assert!(found.iter().enumerate().all(|(coefficient, texel)| texel[3] == lift.of_coefficient(coefficient)));
-    assert!(found[1..].iter().any(|texel| texel[3] < 0.4) && found.iter().any(|texel| texel[3] > 0.6));
+    // Trees of 1 and 4 coefficients, in rows of their own.
+    let preserving = self::pack(energy_preserving(2, 1, 8), 5, 3);
+    let found = texels_of(&preserving);
+    assert_eq!(std::mem::size_of_val(&found[..]) as u64 + preserving.texels.len() as u64, preserving.gpu_bytes());
+    assert_eq!(found[16..].iter().map(|texel| texel[0]).collect::<Vec<_>>(), [6.0, 7.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0]);
 }
 
 fn flat_btf() -> naga::Module {

@@ -39,7 +39,7 @@ impl Control {
 }
 
 /// All negative controls.
-pub const CONTROLS: [Control; 39] = [
+pub const CONTROLS: [Control; 36] = [
     control(directions::rows, "tangent-pole grid, f64", "angles rounded to f32", |s| {
         s.to_tangent_pole = |d| [f64::from(d[2].atan2(d[0]) as f32), d[1].acos()];
     }),
@@ -61,9 +61,6 @@ pub const CONTROLS: [Control; 39] = [
     }),
     control(logarithms::rows, "ln, f32", "logarithm 1e-6 too large", |s| s.ln = |y| y.ln() * (1.0 + 1e-6)),
     control(logarithms::rows, "exp, f32", "argument 1e-7 too large", |s| s.exp = |x| (x * (1.0 + 1e-7)).exp()),
-    control(logarithms::rows, "rise of energy-preserving packs, f32", "halves with equal weights", |s| {
-        s.rise = |h, _| h.cosh().ln()
-    }),
     control(logarithms::rows, "log encoding, f32", "no bias", |s| {
         s.log_encode = |table, encoding| {
             let mut encoded = table.clone();
@@ -79,20 +76,13 @@ pub const CONTROLS: [Control; 39] = [
         s.from_log = |decoder, v| (Stages::default().from_log)(decoder, v) * (1.0 + 1e-6)
     }),
     control(transforms::rows, "Haar, f32", "coefficients 1e-5 too large", |s| {
-        s.haar =
-            |samples, n, lift| (Stages::default().haar)(samples, n, lift).iter().map(|c| c * (1.0 + 1e-5)).collect();
+        s.haar = |samples, n| (Stages::default().haar)(samples, n).iter().map(|c| c * (1.0 + 1e-5)).collect();
     }),
     control(transforms::rows, "Haar, f32", "coefficients with 1e-20 added", |s| {
-        s.haar = |samples, n, lift| (Stages::default().haar)(samples, n, lift).iter().map(|c| c + 1e-20).collect();
+        s.haar = |samples, n| (Stages::default().haar)(samples, n).iter().map(|c| c + 1e-20).collect();
     }),
     control(transforms::rows, "Haar and back, f32", "coefficients with 1e-3 added", |s| {
-        s.haar_inverse = |c, n, lift| (Stages::default().haar_inverse)(c, n, lift).iter().map(|c| c + 1e-3).collect();
-    }),
-    control(transforms::rows, "energy-preserving Haar, f32", "plain transform", |s| {
-        s.haar = |samples, n, _| (Stages::default().haar)(samples, n, None)
-    }),
-    control(transforms::rows, "energy-preserving Haar and back, f32", "plain transform", |s| {
-        s.haar_inverse = |c, n, _| (Stages::default().haar_inverse)(c, n, None)
+        s.haar_inverse = |c, n| (Stages::default().haar_inverse)(c, n).iter().map(|c| c + 1e-3).collect();
     }),
     control(transforms::rows, "Daubechies and back, f32", "pixels in reverse order", |s| {
         s.daubechies = |image, _| image.iter().rev().copied().collect()

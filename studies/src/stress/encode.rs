@@ -23,11 +23,11 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     rows
 }
 
-fn recipe(levels: u32, lift: bool) -> Recipe {
+fn recipe(levels: u32, energy_preserving: bool) -> Recipe {
     Recipe {
         levels,
         stored_levels: levels,
-        energy_preserving: lift,
+        energy_preserving,
         measure_off_grid: false,
         supercompress: false,
         ..Recipe::visible()
@@ -51,8 +51,8 @@ fn constants(stages: &Stages, small: bool) -> Vec<StressRow> {
             }
         };
         for levels in if small { 2..=3 } else { 2..=5 } {
-            for lift in [false, true] {
-                match (stages.encode)(&source, &recipe(levels, lift)) {
+            for energy_preserving in [false, true] {
+                match (stages.encode)(&source, &recipe(levels, energy_preserving)) {
                     Ok(made) => {
                         let decoder = WaveletDecoder::new(&made.pack);
                         let zero = f64::from(made.pack.header.mean) * f64::from(made.pack.header.bias);

@@ -15,17 +15,13 @@ const EXP: f64 = 2.5e-7;
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
     let count = if small { 2_000 } else { 200_000 };
     let mut numbers = Numbers::new(1);
-    let (mut ln, mut exp, mut rise) = (Worst::default(), Worst::default(), Worst::default());
+    let (mut ln, mut exp) = (Worst::default(), Worst::default());
     for _ in 0..count {
         let y = numbers.between(-87.0, 88.0).exp() as f32;
         let exact = f64::from(y).ln();
         ln.add((f64::from((stages.ln)(y)) - exact) / (exact.abs() + 1e-5));
         let x = numbers.between(-80.0, 80.0) as f32;
         exp.add(f64::from((stages.exp)(x)) / f64::from(x).exp() - 1.0);
-        let (h, lower) = (numbers.between(-30.0, 30.0) as f32, numbers.between(0.125, 0.875) as f32);
-        let (h64, share) = (f64::from(h), f64::from(lower));
-        let exact = (share * h64.exp() + (1.0 - share) * (-h64).exp()).ln();
-        rise.add((f64::from((stages.rise)(h, lower)) - exact) / (1.0 + h64.abs()));
     }
     vec![
         ln.row(
@@ -35,12 +31,6 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             "the documented bound; near 1 it is relative to 1e-5",
         ),
         exp.row(["exp, f32", "-80 to 80"], Measure::Relative, EXP, "the documented bound"),
-        rise.row(
-            ["rise of energy-preserving packs, f32", "halves e^60 apart, unequal weights"],
-            Measure::Relative,
-            4e-7,
-            "one ln of at most |h| and one exp, roundings of their sum; relative to 1 + |h|",
-        ),
         log_encode(stages, small),
         from_log(stages),
         no_numbers(stages),

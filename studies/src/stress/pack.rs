@@ -11,8 +11,8 @@ use brdfc_jobs::encode::EncodeError;
 use brdfc_wavelet::recipe::{Recipe, Target};
 
 /// A pack whose last coefficients are stored, so that the largest entries are at the end of the index map.
-pub fn pack(levels: u32, retained: usize, bits: u32, lift: bool, seed: u64) -> WaveletPack {
-    let recipe = Recipe { levels, stored_levels: levels, bits, energy_preserving: lift, ..Recipe::default() };
+pub fn pack(levels: u32, retained: usize, bits: u32, energy_preserving: bool, seed: u64) -> WaveletPack {
+    let recipe = Recipe { levels, stored_levels: levels, bits, energy_preserving, ..Recipe::default() };
     let header = header(&recipe, 0.3, 0.01);
     let mut numbers = Numbers::new(seed);
     let cells = header.cells();
@@ -25,11 +25,15 @@ pub fn pack(levels: u32, retained: usize, bits: u32, lift: bool, seed: u64) -> W
         let scale = numbers.between(0.0, 4.0) as f32;
         SliceScale { scale, offset: -(numbers.unit() as f32) * scale }
     };
+    // All coefficients of the other trees.
+    let trees = header.coefficients() - cells;
+    index.extend((retained + 1..).take(trees).map(|slice| slice as u16));
+    let slices = retained + trees;
     let mut scales = vec![SliceScale::default()];
-    scales.extend((0..retained).map(|_| scale(&mut numbers)));
+    scales.extend((0..slices).map(|_| scale(&mut numbers)));
     let slice = cells * header.texel_format().texel_bytes();
     let mut texels = vec![0; slice];
-    texels.extend((0..retained * slice).map(|_| numbers.below(256) as u8));
+    texels.extend((0..slices * slice).map(|_| numbers.below(256) as u8));
     let (on_grid, off_grid) = (ErrorSummary::default(), ErrorSummary::default());
     WaveletPack { header, index, scales, on_grid, off_grid, crop: None, texels }
 }

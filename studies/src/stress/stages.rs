@@ -7,8 +7,7 @@ use brdfc_formats::bandwidth::propagation::{Bandwidth, BandwidthAverage, Bandwid
 use brdfc_formats::direction::{DirectionPair, Parameterisation, Vector, polynomial_atan2, to_tangent_pole};
 use brdfc_formats::table::{Angles, TableDecoder, TablePack};
 use brdfc_formats::vector_math;
-use brdfc_formats::wavelet::haar::{Plain, inverse};
-use brdfc_formats::wavelet::lift::{Lift, rise};
+use brdfc_formats::wavelet::haar::inverse;
 use brdfc_formats::wavelet::{Filter, Header, WaveletDecoder, WaveletPack};
 use brdfc_jobs::encode::EncodeError;
 use brdfc_source::ScanSource;
@@ -47,18 +46,16 @@ pub struct Stages {
     pub ln: fn(f32) -> f32,
     /// Exponential.
     pub exp: fn(f32) -> f32,
-    /// Logarithm of the mean of two halves.
-    pub rise: fn(f32, f32) -> f32,
     /// Log encoding of a table.
     pub log_encode: fn(&Table, LogEncoding) -> Table,
     /// Log decoding of one value.
     pub from_log: fn(&WaveletDecoder, f32) -> f32,
     /// Smoothing of a table with a radius.
     pub smooth: fn(&mut [[f32; 3]], Grid, Option<usize>) -> Smoothed,
-    /// Haar analysis of a square image of this side, energy-preserving or plain.
-    pub haar: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
+    /// Haar analysis of a square image of this side.
+    pub haar: fn(&[f32], usize) -> Vec<f32>,
     /// Haar synthesis.
-    pub haar_inverse: fn(&[f32], usize, Option<&Lift>) -> Vec<f32>,
+    pub haar_inverse: fn(&[f32], usize) -> Vec<f32>,
     /// Energy of each slice of a table of coefficients.
     pub energies: fn(&Table) -> Vec<f64>,
     /// Selection of slices by energies, levels and number.
@@ -107,24 +104,17 @@ impl Default for Stages {
             angles: Angles::of,
             ln: vector_math::ln,
             exp: vector_math::exp,
-            rise,
             log_encode,
             from_log: WaveletDecoder::from_log,
             smooth,
-            haar: |samples, n, lift| {
+            haar: |samples, n| {
                 let mut coefficients = vec![0.0; n * n];
-                match lift {
-                    Some(lift) => forward(samples, n, lift, &mut coefficients, &mut Vec::new()),
-                    None => forward(samples, n, &Plain, &mut coefficients, &mut Vec::new()),
-                }
+                forward(samples, n, &mut coefficients, &mut Vec::new());
                 coefficients
             },
-            haar_inverse: |coefficients, n, lift| {
+            haar_inverse: |coefficients, n| {
                 let mut samples = vec![0.0; n * n];
-                match lift {
-                    Some(lift) => inverse(coefficients, n, lift, &mut samples, &mut Vec::new()),
-                    None => inverse(coefficients, n, &Plain, &mut samples, &mut Vec::new()),
-                }
+                inverse(coefficients, n, &mut samples, &mut Vec::new());
                 samples
             },
             energies: slice_energies,

@@ -65,7 +65,7 @@ fn symmetric_energies(stages: &Stages, small: bool) -> StressRow {
             let mirror = Symmetry { isotropic: false, mirror: true, reciprocal: false };
             let cells = 1usize << (2 * levels);
             let samples = filling.numbers(cells * cells / 4, &mut Numbers::new(7));
-            let coefficients = transform(&table(levels, mirror, &samples), false);
+            let coefficients = transform(&table(levels, mirror, &samples));
             let energies = (stages.energies)(&coefficients);
             for flip in coefficients.fold.flips() {
                 for k in 0..cells {

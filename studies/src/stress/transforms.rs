@@ -3,10 +3,8 @@
 use super::fed::{Filling, Numbers, levels};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
-use brdfc_formats::wavelet::haar::{Mean, detail_indices};
-use brdfc_formats::wavelet::lift::Lift;
+use brdfc_formats::wavelet::haar::detail_indices;
 use brdfc_source::smooth::{Axis, Grid};
-use brdfc_wavelet::haar;
 
 fn norm(samples: &[f32]) -> f64 {
     // Below it, numbers of f32 have fewer digits.
@@ -19,45 +17,27 @@ fn roundings(levels: u32) -> f64 {
 }
 
 pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
-    let [mut analysis, mut back, mut preserving, mut preserving_back, mut constants, mut daubechies] =
-        [Worst::default(); 6];
+    let [mut analysis, mut back, mut constants, mut daubechies] = [Worst::default(); 4];
     for levels in levels(small) {
         let n = 1usize << levels;
-        let lift = Lift::new(levels);
         for filling in Filling::ALL {
             let samples = filling.numbers(n * n, &mut Numbers::new(4));
             let (norm, bound) = (norm(&samples), roundings(levels));
-            let coefficients = (stages.haar)(&samples, n, None);
+            let coefficients = (stages.haar)(&samples, n);
             for (found, exact) in coefficients.iter().zip(sums(&samples, n)) {
                 analysis.add((f64::from(*found) - exact) / (norm * bound));
             }
-            for (found, exact) in (stages.haar_inverse)(&coefficients, n, None).iter().zip(&samples) {
+            for (found, exact) in (stages.haar_inverse)(&coefficients, n).iter().zip(&samples) {
                 back.add(f64::from(found - exact) / (norm * 2.0 * bound));
             }
             if matches!(filling, Filling::Zero | Filling::Constant) {
                 coefficients[1..].iter().for_each(|detail| constants.check(*detail == 0.0));
             }
             daubechies_there_and_back(stages, &samples, n, norm, &mut daubechies);
-            // Logarithms of a material, which 1e6 is not.
-            let logarithms: Vec<f32> = samples.iter().map(|v| v.clamp(-30.0, 15.0)).collect();
-            let norm = super::transforms::norm(&logarithms);
-            // A rise has an error of 4e-7 of 1 + |h|, instead of a rounding.
-            let bound = f64::from(2 * levels) * (3.0 * U + 4e-7);
-            let coefficients = (stages.haar)(&logarithms, n, Some(&lift));
-            let mut exact = vec![0.0; n * n];
-            let doubles: Vec<f64> = logarithms.iter().map(|v| f64::from(*v)).collect();
-            haar::forward(&doubles, n, &Exact(&lift), &mut exact, &mut Vec::new());
-            for (found, exact) in coefficients.iter().zip(exact) {
-                preserving.add((f64::from(*found) - exact) / ((norm + n as f64) * bound));
-            }
-            for (found, exact) in (stages.haar_inverse)(&coefficients, n, Some(&lift)).iter().zip(&logarithms) {
-                preserving_back.add(f64::from(found - exact) / ((norm + n as f64) * 2.0 * bound));
-            }
         }
     }
     let fed = "all grids: 1e-12 to 1e6, denormals, zeros, constants, a spike";
     let of_norm = "3 roundings at each of 2 N steps, relative to the norm of the image";
-    let of_rise = "as plain, and 4e-7 of 1 + |h| for the rise at each step";
     vec![
         analysis.row(["Haar, f32", fed], Measure::OfBound, 1.0, of_norm),
         back.row(["Haar and back, f32", fed], Measure::OfBound, 1.0, "perfect reconstruction: twice as many steps"),
@@ -66,18 +46,6 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             Measure::Count,
             0.0,
             "a - a is 0: no detail, so no slice",
-        ),
-        preserving.row(
-            ["energy-preserving Haar, f32", "the same as logarithms, -30 to 15"],
-            Measure::OfBound,
-            1.0,
-            of_rise,
-        ),
-        preserving_back.row(
-            ["energy-preserving Haar and back, f32", "the same"],
-            Measure::OfBound,
-            1.0,
-            "twice as many steps",
         ),
         daubechies.row(
             ["Daubechies and back, f32", fed],
@@ -116,28 +84,6 @@ fn sums(samples: &[f32], n: usize) -> Vec<f64> {
         }
     }
     coefficients
-}
-
-/// The lifting step in f64.
-pub struct Exact<'a>(pub &'a Lift);
-
-fn rise(h: f64, lower: f32) -> f64 {
-    // From the brighter half, so that nothing overflows.
-    let (lower, size) = (f64::from(lower), h.abs());
-    let (brighter, darker) = if h < 0.0 { (1.0 - lower, lower) } else { (lower, 1.0 - lower) };
-    size + (brighter + darker * (-2.0 * size).exp()).ln()
-}
-
-impl Mean<f64> for Exact<'_> {
-    const RAISED: bool = true;
-
-    fn of_rows(&self, h: f64, unit: f64, j: u32, row: usize) -> f64 {
-        rise(h / unit, self.0.latitude(j, row)) * unit
-    }
-
-    fn of_columns(&self, h: f64, unit: f64, j: u32, column: usize) -> f64 {
-        rise(h / unit, self.0.longitude(j, column)) * unit
-    }
 }
 
 fn daubechies_there_and_back(stages: &Stages, samples: &[f32], n: usize, norm: f64, worst: &mut Worst) {

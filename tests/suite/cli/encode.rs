@@ -66,9 +66,15 @@ fn targets_are_met_and_tight() {
         "one slice fewer misses it"
     );
 
-    let report = encode(&folder, "synth:lewis", &["--grid", "8", "--max-bytes", "2000"]);
-    let bytes = report["bytes_on_gpu"].as_u64().unwrap();
-    assert!(bytes <= 2000 && bytes + 64 > 2000, "a slice of 64 bytes more does not fit: {bytes}");
+    // One more slice of the finest tree takes a slice of up to three other trees along.
+    for (flags, slices) in [
+        (&["--grid", "8", "--max-bytes", "2000"][..], 4),
+        (&["--grid", "8", "--max-bytes", "2000", "--plain-levels"], 1),
+    ] {
+        let report = encode(&folder, "synth:lewis", flags);
+        let bytes = report["bytes_on_gpu"].as_u64().unwrap();
+        assert!(bytes <= 2000 && bytes + 64 * slices > 2000, "{slices} slices of 64 bytes more do not fit: {bytes}");
+    }
 }
 
 #[test]
@@ -98,13 +104,18 @@ fn unfit_outputs_are_refused_at_once() {
 #[test]
 fn energy_preserving_packs_are_marked() {
     let folder = Folder::new();
-    let report = encode(&folder, "synth:ggx?alpha=0.3", &["--grid", "8", "--energy-preserving"]);
-    assert_eq!(
-        (&report["codec"]["wavelet"]["energy_preserving"], report["fetches"].as_u64()),
-        (&true.into(), Some(16 * 13))
-    );
-    let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
-    assert!(info.contains("3, stored up to 3, energy-preserving"), "{info}");
+    let mut bytes = Vec::new();
+    for (more, is_preserving) in [(&[][..], true), (&["--plain-levels"], false)] {
+        let report = encode(&folder, "synth:ggx?alpha=0.3", &[&["--codec", "wavelet", "--grid", "8"], more].concat());
+        let wavelet = &report["codec"]["wavelet"];
+        // At the finest level, both have the same fetches.
+        assert_eq!((&wavelet["energy_preserving"], report["fetches"].as_u64()), (&is_preserving.into(), Some(4 * 13)));
+        let info = folder.run(&["info", "pack.ktx2"]).succeeded().stdout;
+        assert_eq!(info.contains("3, stored up to 3, energy-preserving"), is_preserving, "{info}");
+        bytes.push(report["bytes_on_gpu"].as_u64().unwrap());
+    }
+    // Trees of 1, 4 and 16 slices of 64 texels, and three rows of the index map.
+    assert_eq!(bytes[0] - bytes[1], 21 * 64 + 3 * 8 * 16);
 }
 
 /// Repairs and the cost of averaging are reported.
@@ -265,9 +276,9 @@ fn budgets_that_say_nothing_are_refused() {
         ),
         (
             "synth:lewis",
-            &["--codec", "table", "--energy-preserving"],
+            &["--codec", "table", "--plain-levels"],
             2,
-            "--energy-preserving: does not apply to the codec table; use the codec wavelet",
+            "--plain-levels: does not apply to the codec table; use the codec wavelet",
         ),
         ("synth:lewis", &["--codec", "max_error"], 2, "--codec: found \"max_error\", expected auto, table, factored"),
         (

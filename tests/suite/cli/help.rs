@@ -103,7 +103,7 @@ fn wrong_usage_exits_with_2_and_says_what_is_allowed() {
         ),
         (
             &["encode", "synth:lambert", "-o", "p.ktx2", "--grid", "64", "--ratio", "1"],
-            "--ratio: found 1, which needs 4097 slices, expected at most 2048 slices",
+            "--ratio: found 1, which needs 5462 slices, expected at most 2048 slices",
         ),
         (&["compare", "synth:lewis", "synth:lewis", "--directions", "0"], "--directions: found 0, expected 1 to"),
         (&["compare", "synth:lewis", "synth:lewis", "--max-error=-1"], "--max-error: found -1, expected"),

@@ -2,6 +2,7 @@
 
 use super::crop::{needed_coefficients, window};
 use super::encode::{self, check, encode_tabulated};
+use super::energy::slices_in_all;
 use super::measure::GridError;
 use super::recipe::{Ranking, Recipe, Target};
 use super::table::Grid;
@@ -14,7 +15,7 @@ use brdfc_core::Source;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_core::words::{bytes, format_number, percent, quoted};
 use brdfc_formats::BrdfPack;
-use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::crop::{DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::wavelet::{Header, MAX_LEVELS, gpu_bytes};
 use brdfc_metrics::norms::Norms;
@@ -37,7 +38,7 @@ pub struct WaveletReport {
     pub stored_levels: u32,
     /// Bits per component.
     pub bits: u32,
-    /// True if coarser levels and omitted slices are energy-preserving.
+    /// True if each level of detail has a tree of its own, which preserves energy.
     pub energy_preserving: bool,
     /// Number of retained slices, without the zero slice.
     pub slices_retained: usize,
@@ -123,30 +124,22 @@ impl BrdfRecipe for Recipe {
     }
 
     fn predict(&self) -> Predicted {
-        let header = |channels: u32| Header {
-            parameterisation: self.parameterisation,
-            levels: self.levels,
-            stored_levels: self.stored_levels,
-            channels,
-            bits: self.bits,
-            mean: 1.0,
-            bias: 1.0,
-            energy_preserving: self.energy_preserving,
-        };
-        let (grey, colour) = (header(1), header(3));
+        let (grey, colour) = (self.header(1, 1.0, 1.0), self.header(3, 1.0, 1.0));
         let window = window(&grey, self.directions.light);
         let stored = 1usize << (2 * self.stored_levels);
         let all = needed_coefficients(&grey, self.directions.view)[..stored].iter().filter(|needed| **needed).count();
-        let bytes = |header: &Header, slices: usize| gpu_bytes(header, window, slices + 1);
+        let bytes = |header: &Header, retained: usize| gpu_bytes(header, window, slices_in_all(header, retained));
+        // The zero slice, and the scaling coefficient of each tree.
+        let smallest = gpu_bytes(&grey, window, 2 + grey.trees() as usize);
         match self.target {
             Target::Ratio(ratio) => {
                 let retained = ((grey.cells() as f64 / ratio).round() as usize).clamp(1, stored);
                 // Slices that no look-up within the directions reads are dropped as well.
-                let (fewest, most) = (if all == stored { retained } else { 1 }, retained.min(all));
-                Predicted { least: bytes(&grey, fewest), most: bytes(&colour, most) }
+                let least = if all == stored { bytes(&grey, retained) } else { smallest };
+                Predicted { least, most: bytes(&colour, retained.min(all)) }
             }
             Target::MaxBytes(most) => Predicted { least: 0, most },
-            Target::MaxError(_) => Predicted { least: bytes(&grey, 1), most: bytes(&colour, all) },
+            Target::MaxError(_) => Predicted { least: smallest, most: bytes(&colour, all) },
         }
     }
 }
@@ -165,11 +158,12 @@ impl Encode for Recipe {
             "parameterisation",
             "bias",
             "ranking",
-            "energy_preserving",
+            "plain_levels",
         ],
     }];
 
-    /// Slices are ranked by visible error if the codec is named, otherwise by energy.
+    /// Slices are ranked by visible error if the codec is named, otherwise by energy. Levels of detail are
+    /// energy-preserving unless the plain ones of the paper are requested.
     fn from_options(_: &str, options: &EncodeOptions) -> Result<Self, OptionError> {
         let mut recipe = if options.codec.is_some() { Self::visible() } else { Self::default() };
         if let Some(grid) = options.grid {
@@ -196,7 +190,7 @@ impl Encode for Recipe {
             };
             recipe.ranking = *ranking;
         }
-        recipe.energy_preserving = options.energy_preserving.unwrap_or(recipe.energy_preserving);
+        recipe.energy_preserving = options.plain_levels != Some(true);
         recipe.bias = options.bias()?.unwrap_or(recipe.bias);
         recipe.target = target(options)?.unwrap_or(recipe.target);
         Ok(recipe)
@@ -214,7 +208,7 @@ impl Encode for Recipe {
         let encode::Encoded { pack, cropped_bytes, bytes, on_grid, off_grid, tally, evaluated } =
             encode_tabulated(&tabulated, source, self, progress)?;
         let header = &pack.header;
-        let slices_retained = pack.slices() - 1;
+        let slices_retained = pack.retained();
         let report = WaveletReport {
             parameterisation: header.parameterisation,
             grid: header.grid(),
@@ -236,11 +230,15 @@ impl Encode for Recipe {
     fn bytes_of_left_out_levels(&self, report: &WaveletReport, channels: u32) -> Option<u64> {
         let Target::Ratio(ratio) = self.target else { return None };
         // Number of slices for all directions; cropped directions are counted elsewhere.
-        let all = (report.slices_in_all as f64 / ratio).round() as u64;
-        let stored = all.min(1 << (2 * self.stored_levels));
-        let components = if channels == 1 { 1 } else { 4 };
-        let texel = components * if self.bits == 8 { 1 } else { 2 };
-        Some((all - stored) * report.slices_in_all as u64 * texel)
+        let all = ((report.slices_in_all as f64 / ratio).round() as usize).max(1);
+        let whole = Self { stored_levels: self.levels, ..self.clone() }.header(channels, 1.0, 1.0);
+        let stored = self.header(channels, 1.0, 1.0);
+        let window = Window::whole([whole.grid() as u32; 2]);
+        let bytes = |header: &Header| {
+            let retained = all.min(1 << (2 * header.stored_levels));
+            gpu_bytes(header, window, slices_in_all(header, retained))
+        };
+        Some(bytes(&whole) - bytes(&stored))
     }
 }
 

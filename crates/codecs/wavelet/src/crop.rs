@@ -71,7 +71,8 @@ fn needed_cells(grid: usize, range: Elevations) -> Vec<bool> {
 /// Drops the slices of unneeded coefficients from a pack.
 fn without_unneeded(pack: WaveletPack, needed: &[bool]) -> WaveletPack {
     let slice_bytes = pack.header.cells() * pack.header.texel_format().texel_bytes();
-    let retained: Vec<usize> = (0..pack.index.len()).filter(|k| pack.index[*k] != 0 && needed[*k]).collect();
+    let retained: Vec<usize> =
+        (0..pack.index.len()).filter(|k| pack.index[*k] != 0 && needed[pack.header.in_finest_tree(*k)]).collect();
     let old = || std::iter::once(0).chain(retained.iter().map(|k| usize::from(pack.index[*k])));
     let mut index = vec![0u16; pack.index.len()];
     (1..).zip(&retained).for_each(|(slice, k)| index[*k] = slice);

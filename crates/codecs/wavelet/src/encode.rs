@@ -1,6 +1,7 @@
 //! The encoder of wavelet packs, as a sequence of stages.
 
 use super::crop::{crop, needed_coefficients, window};
+use super::energy::{means, padded, slices_in_all, slices_of_tree};
 use super::log_encode::{LogEncoding, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
@@ -15,7 +16,7 @@ use brdfc_core::words::format_number;
 use brdfc_core::{PackSource, Source, Tally};
 use brdfc_formats::ErrorSummary;
 use brdfc_formats::crop::{DirectionRange, Window};
-use brdfc_formats::wavelet::{Header, MAX_SLICES, WaveletDecoder, WaveletPack, gpu_bytes};
+use brdfc_formats::wavelet::{Header, MAX_SLICES, SliceScale, WaveletDecoder, WaveletPack, gpu_bytes};
 use brdfc_metrics::compare::{Comparison, compare};
 use brdfc_metrics::sampling::PairSet;
 
@@ -51,7 +52,7 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
 pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
-        let found = ratio_count(recipe.grid().cells(), ratio, most) + 1;
+        let found = slices_in_all(&recipe.header(1, 1.0, 1.0), ratio_count(recipe.grid().cells(), ratio, most));
         if found > MAX_SLICES {
             return Err(EncodeError::Size {
                 field: "ratio",
@@ -80,11 +81,17 @@ pub fn encode_tabulated(
 
     start(Stage::LogEncode)?;
     let encoding = LogEncoding::of(table, recipe.bias);
-    let logarithms = log_encode(table, encoding);
+    let header = recipe.header(table.channels() as u32, encoding.mean as f32, encoding.bias as f32);
+    let of_level = |level: u32| log_encode(&means(table, level), encoding);
+    let is_cut = header.energy_preserving && header.stored_levels < header.levels;
+    let logarithms = if is_cut { of_level(header.stored_levels) } else { log_encode(table, encoding) };
+    let of_trees: Vec<Table> = (0..header.trees()).map(of_level).collect();
 
     start(Stage::Haar)?;
-    let coefficients = haar::transform(&logarithms, recipe.energy_preserving);
-    drop(logarithms);
+    let coefficients = haar::transform(&logarithms);
+    let coefficients = if is_cut { padded(&coefficients, grid) } else { coefficients };
+    let trees: Vec<Table> = of_trees.iter().map(haar::transform).collect();
+    drop((logarithms, of_trees));
 
     start(Stage::Threshold)?;
     let energies = match recipe.ranking {
@@ -92,22 +99,12 @@ pub fn encode_tabulated(
         Ranking::Visible => visible_energies(&coefficients, table, encoding),
     };
     let ranking = threshold::ranking(&energies, recipe.stored_levels);
-    let header = Header {
-        parameterisation: grid.parameterisation,
-        levels: grid.levels,
-        stored_levels: recipe.stored_levels,
-        channels: coefficients.channels() as u32,
-        bits: recipe.bits,
-        mean: encoding.mean as f32,
-        bias: encoding.bias as f32,
-        energy_preserving: recipe.energy_preserving,
-    };
     let needs = Needs::new(&header, recipe);
     let slices = choose(&coefficients, table, &ranking, header, &needs, recipe.target)?;
 
     start(Stage::Quantise)?;
-    let mut pack = assemble(&coefficients, &slices, header);
-    drop(coefficients);
+    let mut pack = assemble(&coefficients, &trees, &slices, header);
+    drop((coefficients, trees));
 
     start(Stage::MeasureOnGrid)?;
     let on_grid = grid_error(table, &WaveletDecoder::new(&pack), recipe.directions);
@@ -160,12 +157,12 @@ fn choose(
     let count = match target {
         Target::Ratio(ratio) => ratio_count(header.cells(), ratio, ranking.len()),
         Target::MaxBytes(bytes) => {
-            let bytes_of = |slices: usize| gpu_bytes(&header, needs.window, slices + 1);
+            let bytes_of = |retained: usize| gpu_bytes(&header, needs.window, slices_in_all(&header, retained));
             if bytes_of(1) > bytes {
                 return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: bytes_of(1) });
             }
             let needed: Vec<u32> = ranking.iter().copied().filter(|k| needs.coefficients[*k as usize]).collect();
-            let most = needed.len().min(MAX_SLICES - 1);
+            let most = needed.len().min(most_slices(&header));
             let count = (1..=most).collect::<Vec<_>>().partition_point(|slices| bytes_of(*slices) <= bytes);
             return Ok(threshold::keep(&needed, count));
         }
@@ -174,16 +171,26 @@ fn choose(
                 return Err(EncodeError::NothingMeasured);
             }
             let error = |count: usize| {
-                let pack = assemble(coefficients, &threshold::keep(ranking, count), header);
+                let pack = assemble(
+                    coefficients,
+                    &[],
+                    &threshold::keep(ranking, count),
+                    Header { energy_preserving: false, ..header },
+                );
                 grid_error(reference, &WaveletDecoder::new(&pack), needs.directions).norms.relative_mean
             };
-            fewest_within(allowed, ranking.len().min(MAX_SLICES - 1), error).map_err(|(found, slices)| {
+            fewest_within(allowed, ranking.len().min(most_slices(&header)), error).map_err(|(found, slices)| {
                 let best = format!("all {slices} slices at {} bits", header.bits);
                 EncodeError::BudgetMissed { found, allowed, best }
             })?
         }
     };
     Ok(threshold::keep(ranking, count))
+}
+
+/// Maximum number of slices of the finest tree.
+fn most_slices(header: &Header) -> usize {
+    (1..MAX_SLICES).collect::<Vec<_>>().partition_point(|retained| slices_in_all(header, *retained) <= MAX_SLICES)
 }
 
 /// Number of slices at a ratio, of at most as many as the stored levels have: a pack with fewer levels is already
@@ -214,22 +221,39 @@ fn fewest_within(allowed: f64, most: usize, error: impl Fn(usize) -> f64) -> Res
     Ok(met)
 }
 
-/// Assembles a pack of the chosen slices, without measuring its errors.
-fn assemble(coefficients: &Table, slices: &[u32], header: Header) -> WaveletPack {
-    let quantised = quantise(coefficients, slices, &header);
-    let mut index = vec![0u16; header.cells()];
-    for (slice, k) in (1..).zip(slices) {
-        index[*k as usize] = slice;
-    }
-    WaveletPack {
+/// Assembles a pack of the chosen slices of the finest tree, without measuring its errors. The strongest coefficients of
+/// the other trees follow.
+fn assemble(coefficients: &Table, trees: &[Table], slices: &[u32], header: Header) -> WaveletPack {
+    let mut pack = WaveletPack {
         header,
-        index,
-        scales: quantised.scales,
+        index: Vec::with_capacity(header.coefficients()),
+        scales: vec![SliceScale::default()],
         on_grid: ErrorSummary::default(),
         off_grid: ErrorSummary::default(),
         crop: None,
-        texels: quantised.texels,
+        texels: vec![0; header.cells() * header.texel_format().texel_bytes()],
+    };
+    add_tree(&mut pack, coefficients, slices);
+    for (level, tree) in (0..).zip(trees) {
+        let ranking = threshold::ranking(&threshold::slice_energies(tree), level);
+        let kept = threshold::keep(&ranking, slices_of_tree(&header, level, slices.len()));
+        add_tree(&mut pack, tree, &kept);
     }
+    pack
+}
+
+/// Adds the chosen slices of a tree to a pack.
+fn add_tree(pack: &mut WaveletPack, coefficients: &Table, chosen: &[u32]) {
+    let quantised = quantise(coefficients, chosen, &pack.header);
+    let first = pack.index.len();
+    pack.index.resize(first + coefficients.grid.cells(), 0);
+    for (slice, k) in (pack.scales.len()..).zip(chosen) {
+        pack.index[first + *k as usize] = slice as u16;
+    }
+    // Without another zero slice.
+    let slice_bytes = pack.header.cells() * pack.header.texel_format().texel_bytes();
+    pack.scales.extend(&quantised.scales[1..]);
+    pack.texels.extend(&quantised.texels[slice_bytes..]);
 }
 
 impl GridError {

@@ -19,7 +19,7 @@ pub struct WaveletPackFacts {
     pub levels: u32,
     /// Finest level that holds slices.
     pub stored_levels: u32,
-    /// True if coarser levels and omitted slices are energy-preserving.
+    /// True if each level of detail has a tree of its own, which preserves energy.
     pub energy_preserving: bool,
     /// Colour channels, 1 or 3.
     pub channels: u32,
@@ -52,7 +52,7 @@ impl From<&WaveletPack> for WaveletPackFacts {
             energy_preserving: header.energy_preserving,
             channels: header.channels,
             bits: header.bits,
-            slices_retained: pack.slices() - 1,
+            slices_retained: pack.retained(),
             mean: header.mean,
             bias: header.bias,
             directions: pack.directions(),

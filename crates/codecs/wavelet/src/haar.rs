@@ -6,46 +6,32 @@
 
 use super::fold::Flip;
 use super::table::Table;
-use brdfc_formats::wavelet::haar::{Mean, units};
-pub use brdfc_formats::wavelet::haar::{Plain, inverse};
-use brdfc_formats::wavelet::lift::Lift;
+pub use brdfc_formats::wavelet::haar::inverse;
 use num_traits::Float;
 use rayon::prelude::*;
 
 /// Analysis (equation 2, left) of one image of `n` x `n` samples (row by row, `n` a power of two) into as many
-/// coefficients: `l = (a + b) / √2`, `h = (a - b) / √2`, with the contribution of `mean` to `l`. `smooth` is scratch
-/// space.
-pub fn forward<T: Float, M: Mean<T>>(samples: &[T], n: usize, mean: &M, coefficients: &mut [T], smooth: &mut Vec<T>) {
+/// coefficients: `l = (a + b) / √2`, `h = (a - b) / √2`. `smooth` is scratch space.
+pub fn forward<T: Float>(samples: &[T], n: usize, coefficients: &mut [T], smooth: &mut Vec<T>) {
     let r = T::from(std::f64::consts::FRAC_1_SQRT_2).expect("every float holds 1/√2");
     smooth.clear();
     smooth.extend_from_slice(samples);
     let mut size = n;
     while size > 1 {
         let half = size / 2;
-        let ((of_rows, of_columns), j) = (units(half, n), half.ilog2());
         let (latitude, longitude) = coefficients[half * half..4 * half * half].split_at_mut(half * half);
         for row in 0..size {
             for column in 0..half {
                 let (a, b) = (smooth[row * size + 2 * column], smooth[row * size + 2 * column + 1]);
-                let h = (a - b) * r;
-                longitude[row * half + column] = h;
-                let mut l = (a + b) * r;
-                if M::RAISED {
-                    l = l + mean.of_columns(h, of_columns, j, column);
-                }
-                smooth[row * half + column] = l;
+                longitude[row * half + column] = (a - b) * r;
+                smooth[row * half + column] = (a + b) * r;
             }
         }
         for row in 0..half {
             for column in 0..half {
                 let (a, b) = (smooth[2 * row * half + column], smooth[(2 * row + 1) * half + column]);
-                let h = (a - b) * r;
-                latitude[row * half + column] = h;
-                let mut l = (a + b) * r;
-                if M::RAISED {
-                    l = l + mean.of_rows(h, of_rows, j, row);
-                }
-                smooth[row * half + column] = l;
+                latitude[row * half + column] = (a - b) * r;
+                smooth[row * half + column] = (a + b) * r;
             }
         }
         size = half;
@@ -53,22 +39,15 @@ pub fn forward<T: Float, M: Mean<T>>(samples: &[T], n: usize, mean: &M, coeffici
     coefficients[0] = smooth[0];
 }
 
-/// Transforms every row of a table in place; with `energy_preserving`, coarser cells have the mean reflectance.
-pub fn transform(table: &Table, energy_preserving: bool) -> Table {
-    match energy_preserving {
-        true => transform_by(table, &Lift::new(table.grid.levels)),
-        false => transform_by(table, &Plain),
-    }
-}
-
-fn transform_by(table: &Table, mean: &(impl Mean<f32> + Sync)) -> Table {
+/// Transforms every row of a table.
+pub fn transform(table: &Table) -> Table {
     let (n, cells) = (table.grid.n(), table.grid.cells());
     let mut result = table.clone();
     let values = result.values.as_slice_mut().expect("tables are stored in standard layout");
     values.par_chunks_mut(cells).for_each_init(
         || (vec![0.0; cells], Vec::new()),
         |(coefficients, scratch), row| {
-            forward(row, n, mean, coefficients, scratch);
+            forward(row, n, coefficients, scratch);
             row.copy_from_slice(coefficients);
         },
     );
@@ -99,13 +78,13 @@ mod tests {
 
     fn transformed<T: Float>(samples: &[T], n: usize) -> Vec<T> {
         let mut coefficients = vec![T::zero(); n * n];
-        forward(samples, n, &Plain, &mut coefficients, &mut Vec::new());
+        forward(samples, n, &mut coefficients, &mut Vec::new());
         coefficients
     }
 
     fn restored<T: Float>(coefficients: &[T], n: usize) -> Vec<T> {
         let mut samples = vec![T::zero(); n * n];
-        inverse(coefficients, n, &Plain, &mut samples, &mut Vec::new());
+        inverse(coefficients, n, &mut samples, &mut Vec::new());
         samples
     }
 
@@ -153,40 +132,6 @@ mod tests {
                 prop_assert!((image[k] - f64::from(sign) * plain[from]).abs() <= 1e-9 * (1.0 + plain[from].abs()));
             }
         }
-    }
-
-    /// The reflected light of all cells together equals the light of the scaling coefficient, for any details.
-    #[test]
-    fn energy_preserving_coefficients_are_restored_and_preserve_energy() {
-        let n = 16usize;
-        let lift = Lift::new(4);
-        let weight = |cell: usize| {
-            let angle = |k: usize| [k, k + 1].map(|k| std::f64::consts::PI * k as f64 / n as f64);
-            let ([c0, c1], [r0, r1]) = (angle(cell % n), angle(cell / n));
-            (c0.cos() - c1.cos()) * (0.5 * (r1 - r0) - 0.25 * ((2.0 * r1).sin() - (2.0 * r0).sin()))
-        };
-        let total: f64 = (0..n * n).map(weight).sum();
-        let samples: Vec<f32> = (0..n * n).map(|i| 3.0 * ((i * i % 31) as f32 / 31.0 - 0.4)).collect();
-        let light = |logarithms: &[f32]| -> f64 {
-            logarithms.iter().enumerate().map(|(cell, v)| weight(cell) * f64::from(*v).exp()).sum::<f64>() / total
-        };
-        let mut coefficients = vec![0.0f32; n * n];
-        forward(&samples, n, &lift, &mut coefficients, &mut Vec::new());
-        let mut restored = vec![0.0f32; n * n];
-        inverse(&coefficients, n, &lift, &mut restored, &mut Vec::new());
-        assert!(samples.iter().zip(&restored).all(|(a, b)| (a - b).abs() < 1e-5));
-        let of_scaling = f64::from(coefficients[0] / n as f32).exp();
-        for retained in [256, 64, 16, 1] {
-            coefficients[retained..].fill(0.0);
-            coefficients[1..].iter_mut().for_each(|c| *c *= 0.9);
-            inverse(&coefficients, n, &lift, &mut restored, &mut Vec::new());
-            assert!((light(&restored) / light(&samples) - 1.0).abs() < 1e-5, "{retained} coefficients");
-            assert!((of_scaling / light(&samples) - 1.0).abs() < 1e-5);
-        }
-        // Negative control: the plain transform loses light.
-        let mut plain = vec![0.0f32; n * n];
-        forward(&samples, n, &Plain, &mut plain, &mut Vec::new());
-        assert!(f64::from(plain[0] / n as f32).exp() < 0.9 * light(&samples));
     }
 
     #[test]

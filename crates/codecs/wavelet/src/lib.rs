@@ -5,6 +5,7 @@
 mod codec;
 pub mod crop;
 pub mod encode;
+pub mod energy;
 mod facts;
 pub mod fold;
 pub mod haar;

@@ -17,31 +17,35 @@ pub struct Quantised {
 
 /// Quantises the chosen coefficients to `header.bits` bits, after the zero slice.
 pub fn quantise(coefficients: &Table, chosen: &[u32], header: &Header) -> Quantised {
-    let format = header.texel_format();
-    let slice_bytes = header.cells() * format.texel_bytes();
+    let slice_bytes = header.cells() * header.texel_format().texel_bytes();
     let transposed = Transposed::new(coefficients);
     let mut texels = vec![0u8; (chosen.len() + 1) * slice_bytes];
     let mut scales = vec![SliceScale::default(); chosen.len() + 1];
-    texels[slice_bytes..].par_chunks_mut(slice_bytes).zip(scales[1..].par_iter_mut()).zip(chosen).for_each(
-        |((texels, scale), k)| {
-            let slice = transposed.slice(*k as usize);
-            *scale = fit_scale(&slice, header.bits);
-            let (components, bytes) = (format.components(), format.component_bytes());
-            let cells = header.cells();
-            for cell in 0..cells {
-                for component in 0..components {
-                    // The component after RGB is full, like the opaque alpha that many readers expect.
-                    let stored = match slice.get(component * cells + cell) {
-                        Some(c) => to_stored(to_step(*c, *scale, header.bits), header.bits),
-                        None => u16::MAX >> (16 - 8 * bytes),
-                    };
-                    let at = (cell * components + component) * bytes;
-                    texels[at..at + bytes].copy_from_slice(&stored.to_le_bytes()[..bytes]);
-                }
-            }
-        },
-    );
+    texels[slice_bytes..]
+        .par_chunks_mut(slice_bytes)
+        .zip(scales[1..].par_iter_mut())
+        .zip(chosen)
+        .for_each(|((texels, scale), k)| *scale = quantise_slice(&transposed.slice(*k as usize), header, texels));
     Quantised { scales, texels }
+}
+
+/// Quantises one slice, `[channel][outer cell]`, into its texels.
+pub fn quantise_slice(slice: &[f32], header: &Header, texels: &mut [u8]) -> SliceScale {
+    let (format, cells) = (header.texel_format(), header.cells());
+    let (components, bytes) = (format.components(), format.component_bytes());
+    let scale = fit_scale(slice, header.bits);
+    for cell in 0..cells {
+        for component in 0..components {
+            // The component after RGB is full, like the opaque alpha that many readers expect.
+            let stored = match slice.get(component * cells + cell) {
+                Some(c) => to_stored(to_step(*c, scale, header.bits), header.bits),
+                None => u16::MAX >> (16 - 8 * bytes),
+            };
+            let at = (cell * components + component) * bytes;
+            texels[at..at + bytes].copy_from_slice(&stored.to_le_bytes()[..bytes]);
+        }
+    }
+    scale
 }
 
 /// Transposed coefficients, `[channel][k][row]`, so that a slice is read in order.
@@ -73,10 +77,11 @@ impl<'a> Transposed<'a> {
     fn slice(&self, k: usize) -> Vec<f32> {
         let fold = &self.coefficients.fold;
         let (channels, rows, cells) = self.coefficients.values.dim();
+        let outer_cells = fold.n * fold.n;
         let images = super::fold::Flip::ALL.map(|flip| flip_coefficient(k, flip));
-        let mut slice = Vec::with_capacity(channels * cells);
+        let mut slice = Vec::with_capacity(channels * outer_cells);
         for channel in 0..channels {
-            for cell in 0..cells {
+            for cell in 0..outer_cells {
                 let (row, flip) = fold.locate(cell);
                 let (image, sign) = images[flip.number()];
                 slice.push(sign * self.values[(channel * cells + image) * rows + row]);

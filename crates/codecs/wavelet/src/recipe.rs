@@ -4,6 +4,7 @@ use super::log_encode::DEFAULT_BIAS;
 use super::table::Grid;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::Parameterisation;
+use brdfc_formats::wavelet::Header;
 
 /// `ε` for [`Ranking::Visible`]: renderings show values far below the mean of the table, which grazing angles raise.
 const VISIBLE_BIAS: f64 = 3e-4;
@@ -49,7 +50,8 @@ pub struct Recipe {
     pub bits: u32,
     /// `ε` of the log encoding.
     pub bias: f64,
-    /// True if coarser levels of detail and dropped slices are energy-preserving; tangent-pole only.
+    /// True for a tree of each level of detail, which preserves energy; tangent-pole only. False for a single one, as in the
+    /// paper.
     pub energy_preserving: bool,
     /// Target that decides the number of slices.
     pub target: Target,
@@ -87,6 +89,20 @@ impl Recipe {
     /// Slices ranked by visible error, with the matching bias: the same bytes look better.
     pub fn visible() -> Self {
         Self { ranking: Ranking::Visible, bias: VISIBLE_BIAS, ..Self::default() }
+    }
+
+    /// Header of a pack with this many channels, mean and bias.
+    pub fn header(&self, channels: u32, mean: f32, bias: f32) -> Header {
+        Header {
+            parameterisation: self.parameterisation,
+            levels: self.levels,
+            stored_levels: self.stored_levels,
+            channels,
+            bits: self.bits,
+            mean,
+            bias,
+            energy_preserving: self.energy_preserving,
+        }
     }
 
     /// The grid of the table.

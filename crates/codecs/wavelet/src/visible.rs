@@ -138,7 +138,7 @@ mod tests {
             let mut coefficients = vec![0.0f32; n * n];
             coefficients[k] = 1.0;
             let mut samples = vec![0.0f32; n * n];
-            haar::inverse(&coefficients, n, &haar::Plain, &mut samples, &mut Vec::new());
+            haar::inverse(&coefficients, n, &mut samples, &mut Vec::new());
             let expected: f64 = samples.iter().zip(&weights).map(|(s, w)| f64::from(s * s) * w).sum();
             let mut energies = vec![0.0; n * n];
             add_energies(&mut weights.clone(), n, &coefficients, &mut energies);
@@ -153,7 +153,7 @@ mod tests {
         let grid = Grid { parameterisation: Parameterisation::TangentPole, levels: 4 };
         let (samples, _) = resample(&source, grid);
         let encoding = LogEncoding::of(&samples, 0.01);
-        let coefficients = haar::transform(&log_encode(&samples, encoding), false);
+        let coefficients = haar::transform(&log_encode(&samples, encoding));
         let visible = visible_energies(&coefficients, &samples, encoding);
         let plain = slice_energies(&coefficients);
         // Dropped coefficients are lost; losses within one image overlap, so the sum is an estimate.

@@ -23,9 +23,13 @@ fn resolved(own: &str, defaults: &str) -> PackRecipe {
 fn the_codec_follows_from_the_options() {
     assert_eq!(resolved("", ""), PackRecipe::default());
     let PackRecipe::Wavelet(paper) = resolved("ratio = 4", "") else { panic!("a wavelet pack") };
-    assert_eq!(paper, Recipe::default());
+    assert_eq!(paper, Recipe { energy_preserving: true, ..Recipe::default() });
     let PackRecipe::Wavelet(named) = resolved("codec = 'wavelet'", "") else { panic!("a wavelet pack") };
-    assert_eq!(named, Recipe::visible());
+    assert_eq!(named, Recipe { energy_preserving: true, ..Recipe::visible() });
+    let PackRecipe::Wavelet(plain) = resolved("codec = 'wavelet'\nplain_levels = true", "") else {
+        panic!("a wavelet pack")
+    };
+    assert_eq!(plain, Recipe::visible());
     for wavelet in ["grid = 8", "bits = 12", "parameterisation = 'tangent-pole'", "ranking = 'energy'"] {
         assert!(matches!(resolved(wavelet, ""), PackRecipe::Wavelet(_)), "{wavelet}");
     }
@@ -69,7 +73,7 @@ fn defaults_that_do_not_go_with_the_codec_are_left_out() {
     let PackRecipe::Wavelet(wavelet) = resolved("codec = 'wavelet'", "max_delta_e = 0.3\nreciprocal = true") else {
         panic!("a wavelet pack")
     };
-    assert_eq!(wavelet, Recipe::visible());
+    assert_eq!(wavelet, Recipe { energy_preserving: true, ..Recipe::visible() });
     // Defaults that a codec does not have are dropped, too. A codec stays if the options go with it.
     assert!(matches!(resolved("codec = 'table'", "levels = 2"), PackRecipe::Table(Table(_))));
     let PackRecipe::Table(Table(levels)) = resolved("levels = 2", "codec = 'factored'\nbias = 0.001") else {
@@ -135,7 +139,7 @@ fn options_win_over_defaults_of_other_codecs() {
         ("codec = 'table'", "codec = 'wavelet'\nratio = 8", "codec = 'table'"),
         ("codec = 'auto'", "grid = 16", "codec = 'auto'"),
         ("grid = 16", "reciprocal = true", "grid = 16"),
-        ("max_delta_e = 1.0", "energy_preserving = true", "max_delta_e = 1.0"),
+        ("max_delta_e = 1.0", "plain_levels = true", "max_delta_e = 1.0"),
         ("", "codec = 'wavelet'\ngrid = 16", "codec = 'wavelet'\ngrid = 16"),
         ("codec = 'jpeg'", "grid = 16", "codec = 'jpeg'\ngrid = 16"),
     ] {
@@ -148,7 +152,7 @@ fn options_win_over_defaults_of_other_codecs() {
 fn codecs_have_the_options_that_there_are() {
     let all = keys(
         "max_delta_e = 1\nmin_highlight = 0.5\nmax_error = 0.1\nmax_bytes = 1\nmax_fetches = 1\nreciprocal = true\nlevels = 1\nratio = 4\ngrid = 8\n\
-         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nenergy_preserving = true",
+         parameterisation = 'tangent-pole'\nbits = 8\nbias = 0.1\nranking = 'energy'\nplain_levels = true",
     );
     let mut given: Vec<&str> = all.given().collect();
     let mut of_codecs: Vec<&str> = Choice::all().flat_map(|asked| asked.variant.options).copied().collect();
@@ -170,7 +174,7 @@ fn packs_are_as_large_as_predicted() {
     let mut exact = 0;
     for address in ["synth:lambert?kd=0.5", "synth:ggx?kd=0.1,0.2,0.3&f0=0.04&alpha=0.3"] {
         let source = open(address, None).expect("an address").source;
-        for text in ["", "codec = 'table'", "max_bytes = 3000", "grid = 8\nratio = 4", "grid = 8\nmax_error = '20%'"] {
+        for text in ["", "codec = 'table'", "max_bytes = 3000", "grid = 8\nratio = 4", "grid = 8\nmax_error = '30%'"] {
             for directions in [DirectionRange::ALL, seen_from_above] {
                 let mut recipe = options(text).expect("in range");
                 recipe.limit_directions(directions);

@@ -266,7 +266,7 @@ fn all_keys() -> Vec<Key> {
 fn option_key(name: &'static str) -> Key {
     let shape = match name {
         "codec" | "parameterisation" | "ranking" => Shape::Text,
-        "reciprocal" | "energy_preserving" | "trust_fit" => Shape::Truth,
+        "reciprocal" | "plain_levels" | "trust_fit" => Shape::Truth,
         "smooth" => Shape::TruthOrWholeNumber,
         "min_highlight" | "max_error" | "max_fit_error" => Shape::Share,
         "max_bytes" => Shape::Bytes,

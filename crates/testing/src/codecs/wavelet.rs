@@ -51,11 +51,26 @@ pub fn pack(header: Header, retained: usize, seed: u64) -> WaveletPack {
             index[coefficient] = next as u16;
         }
     }
+    // The scaling coefficient of each tree, and a third of its details.
+    let mut scalings = vec![1];
+    for level in 0..header.trees() {
+        for coefficient in 0..1usize << (2 * level) {
+            let is_stored = coefficient % 3 == 0;
+            next += usize::from(is_stored);
+            index.push(if is_stored { next as u16 } else { 0 });
+            scalings.extend((coefficient == 0).then_some(next));
+        }
+    }
     let slices = next + 1;
     let scales = (0..slices)
         .map(|slice| match slice {
             0 => SliceScale::default(),
-            1 => SliceScale { scale: (2.5 * header.grid() as f64) as f32, offset: -2.0 },
+            // Of 2^l cells per axis at level l.
+            slice if scalings.contains(&slice) => {
+                let level = scalings.iter().position(|at| *at == slice).filter(|at| *at > 0);
+                let side = level.map_or(header.grid(), |at| 1 << (at - 1)) as f32;
+                SliceScale { scale: 2.5 * side, offset: -2.0 * side / header.grid() as f32 }
+            }
             _ => {
                 let half = numbers.between(0.05, 1.0);
                 SliceScale { scale: 2.0 * half as f32, offset: numbers.between(-1.2, -0.8) as f32 * half as f32 }
@@ -197,8 +212,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     queries.iter_mut().for_each(|[_, b, _]| b[3] = 1.0);
     let floor = pack.header.mean * pack.header.bias;
     // A sampler filters slices even if the nearest inner cell is used.
-    let nearest = filter == Filter::Nearest && !pack.header.energy_preserving;
-    let on_cpu = if nearest { Filter::Slices } else { filter };
+    let on_cpu = if filter == Filter::Nearest { Filter::Slices } else { filter };
     let answer = |(pair, [a, ..]): (&DirectionPair, &Query)| {
         let value = decoder.eval(*pair, a[3], on_cpu);
         (of_logarithm(bound(&decoder, *pair, a[3], on_cpu), value, floor), (four(value, 0.0), floor))
@@ -206,7 +220,7 @@ pub fn sampler_case(name: &str, pack: &WaveletPack, filter: Filter) -> SamplerCa
     let (allowed, expected) = pairs.iter().zip(&queries).map(answer).unzip();
     let (bindings, files) = (pack.bindings().into_owned(), Vec::new());
     let frame = FrameBlock { blend: filter, ..SAMPLED };
-    let (name, is_filtered) = (format!("{name}, {filter:?}"), !pack.header.energy_preserving && pack.extent()[0] > 1);
+    let (name, is_filtered) = (format!("{name}, {filter:?}"), pack.extent()[0] > 1);
     let case = Case { name, decoder: PackKind::Wavelet, bindings, frame, files, queries, expected };
     SamplerCase { case, allowed, is_filtered }
 }

@@ -108,7 +108,8 @@ fn pack(input: &Input) -> Result<BrdfPack, Error> {
         return Ok(pack);
     }
     let opened = open(input, None)?;
-    Ok(encode_pack(opened.source.as_ref(), &PackRecipe::Wavelet(Recipe::default()).without_measuring(), &())?.pack)
+    let recipe = Recipe { energy_preserving: true, ..Recipe::default() };
+    Ok(encode_pack(opened.source.as_ref(), &PackRecipe::Wavelet(recipe).without_measuring(), &())?.pack)
 }
 
 /// An input's pack, or packs of a source: tables of 16 KiB, plain and factored, and a wavelet pack at 4:1 and 8 bits.
@@ -175,7 +176,7 @@ pub(super) fn throughput_text(result: &Throughput) -> String {
 }
 
 pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
-    let header = ["level", "fetches", "nearest", "speed-up", "bilinear", "speed-up", "paper"];
+    let header = ["level", "fetches", "nearest", "speed-up", "bilinear", "speed-up", "paper", "luminance"];
     let rows: Vec<Vec<String>> = result
         .levels
         .iter()
@@ -185,6 +186,7 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
             cells.extend(time(0));
             cells.extend(time(1));
             cells.push(row.paper.map_or("-".to_owned(), |paper| format!("{paper:.1}")));
+            cells.push(format!("{:.4}", row.luminance));
             cells
         })
         .collect();
@@ -212,8 +214,8 @@ pub(super) fn level_of_detail_text(result: &LevelOfDetail) -> String {
         + &plain(&["flicker over six frames moving away", "variance", "luminance", "relative"], &flicker)
         + &format!(
             "\n{} triangles, {} x {} pixels of which {} show terrain, {} lights. {}.\n\
-             Variance over time of the display's luminance, mean over pixels that are 60 units away or more;\n\
-             relative to the squared mean luminance.\n",
+             Luminance: mean of the display's over pixels that are 60 units away or more. Variance: of this luminance over\n\
+             time, mean over the same pixels; relative to the squared mean luminance.\n",
             result.triangles,
             result.size[0],
             result.size[1],

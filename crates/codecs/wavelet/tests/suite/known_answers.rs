@@ -132,7 +132,7 @@ fn another_bias_is_noticed() {
 fn error_of_slices(known: &Known, choose: impl Fn(&[u32]) -> Vec<u32>) -> f64 {
     let (table, _) = resample(source(known).as_ref(), GRID);
     let encoding = LogEncoding::of(&table, DEFAULT_BIAS);
-    let coefficients = haar::transform(&log_encode(&table, encoding), false);
+    let coefficients = haar::transform(&log_encode(&table, encoding));
     let mut slices = choose(&threshold::ranking(&threshold::slice_energies(&coefficients), 5));
     slices.sort_unstable();
     let header = brdfc_formats::wavelet::Header {
