@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Coefficients that a tree keeps at least, if it and the finest tree have that many: levels of up to 4 x 4 cells are then
-/// complete, and have the energy of the table whatever the finest level has lost.
+/// complete, and have the energy of the table even if the finest level has lost some of it.
 const FEWEST: usize = 16;
 
 /// The table at a level of detail: means over squares of `2^(N-l) x 2^(N-l)` inner cells, weighted by `∫ cos θ_o dω`, so
