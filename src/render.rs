@@ -43,7 +43,7 @@ use brdfc_bandwidth::texture::Placement;
 use brdfc_core::PackSource;
 use brdfc_core::address::is_synth;
 use brdfc_flat_btf::model::MesoModel;
-use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
+use brdfc_formats::bandwidth::BandwidthMap;
 use brdfc_formats::direction::dot;
 use brdfc_jobs::flatten::{open_appearance, open_geometry};
 use brdfc_render::adaptive::ANY_LEVEL;
@@ -104,19 +104,6 @@ pub fn texture(input: &Input, metres: [f64; 2], built: Option<BandwidthMap>) -> 
 }
 
 impl Texture {
-    /// Returns true for bandwidth maps of textures.
-    pub fn is_map(map: &BandwidthMap) -> bool {
-        matches!(map.header().kind, BandwidthKind::Texture { .. })
-    }
-
-    /// Width and height in metres.
-    pub fn metres(&self) -> [f32; 2] {
-        match self.bandwidth.header().kind {
-            BandwidthKind::Texture { metres, .. } => metres,
-            _ => [1.0; 2],
-        }
-    }
-
     /// The texture with a map that is 0 everywhere.
     pub fn without_bandwidth(&self) -> Self {
         let size = self.bandwidth.size();

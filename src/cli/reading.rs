@@ -39,10 +39,16 @@ pub fn open_read(input: &Input, reading: ReadingOptions) -> Result<Material, Err
     open_with(input, checked(reading, &[input])?)
 }
 
-/// Checks the settings. Rejects flags that apply to none of the inputs.
-pub fn checked(reading: impl Into<Reading>, inputs: &[&Input]) -> Result<Reading, Error> {
+/// Checks the settings, for inputs of any kind.
+pub fn in_range(reading: impl Into<Reading>) -> Result<Reading, Error> {
     let reading = reading.into();
     reading.check().map_err(|error| Error::wrong_usage(format!("--{}", error.field), error.found, error.allowed))?;
+    Ok(reading)
+}
+
+/// Checks the settings. Rejects flags that apply to none of the inputs.
+pub fn checked(reading: impl Into<Reading>, inputs: &[&Input]) -> Result<Reading, Error> {
+    let reading = in_range(reading)?;
     let (smooth, radius) = (reading.smooth.is_some(), matches!(reading.smooth, Some(Smooth::Radius(_))));
     let flags = [
         ("--neighbours", reading.neighbours.is_some(), [true, false], "scans"),

@@ -198,6 +198,7 @@ impl Build {
     /// Returns an error if options are out of range or incompatible, or if there is nothing to build.
     pub fn plan(&self) -> Result<Plan, Error> {
         let mut manifest = self.manifest.clone();
+        self.reading.check().map_err(|error| Error::wrong_usage(error.field, error.found, error.allowed))?;
         manifest.defaults.reading = self.reading.over(manifest.defaults.reading);
         manifest.defaults.options = options_over(&self.options, &manifest.defaults.options);
         let folder = self.manifest().and_then(Path::parent).unwrap_or(Path::new(""));

@@ -123,6 +123,14 @@ impl BandwidthMap {
         &self.header
     }
 
+    /// Width and height of a texture in metres; `None` for other kinds.
+    pub fn metres(&self) -> Option<[f32; 2]> {
+        match self.header.kind {
+            BandwidthKind::Texture { metres, .. } => Some(metres),
+            _ => None,
+        }
+    }
+
     /// Width and height in texels.
     pub fn size(&self) -> [u32; 2] {
         self.size

@@ -1,7 +1,7 @@
 //! Flags of `brdfc build`.
 
 use crate::output::{make_folder, refuse_own, write_file};
-use crate::reading::ReadingOptions;
+use crate::reading::{ReadingOptions, in_range};
 use brdfc::scene::Shard;
 use brdfc::{Build, EncodeOptions, Error};
 use brdfc_terminal::values::bytes_from_text;
@@ -112,7 +112,7 @@ pub(crate) struct BuildArguments {
 impl BuildArguments {
     /// Makes the build from these arguments, with defaults for everything else.
     pub(crate) fn build(&self, options: &EncodeOptions) -> Result<Build, Error> {
-        let build = Build::from_inputs(&self.inputs)?.options(options.clone()).reading(self.reading.into());
+        let build = Build::from_inputs(&self.inputs)?.options(options.clone()).reading(in_range(self.reading)?);
         let build = build.out(&self.out).keep(self.keep).force(self.force);
         Ok(match self.memory {
             Some(bytes) => build.memory(bytes),

@@ -89,7 +89,7 @@ impl Textures {
             Some(PartTextureReport {
                 part: setup.scene.parts[part].name.to_owned(),
                 texture: input.to_string(),
-                metres: texture.metres(),
+                metres: texture.bandwidth.metres()?,
                 repeats,
             })
         };
@@ -100,13 +100,13 @@ impl Textures {
 /// The map of a texture from a build.
 fn built(material: &Prepared) -> Option<BandwidthMap> {
     material.maps.iter().find_map(|map| match map {
-        AnyPack::Bandwidth(map) if Texture::is_map(map) => Some(map.clone()),
+        AnyPack::Bandwidth(map) if map.metres().is_some() => Some(map.clone()),
         _ => None,
     })
 }
 
 fn placed(setup: &Setup, part: usize, number: usize, (input, texture): &(Input, Texture)) -> Result<Placed, Error> {
-    let (part, metres) = (&setup.scene.parts[part], texture.metres());
+    let (part, metres) = (&setup.scene.parts[part], texture.bandwidth.metres().unwrap_or([1.0; 2]));
     let refuse = |[least, most]: [[f64; 2]; 2]| {
         let shown = |[width, height]: [f64; 2]| format!("{} x {} m", significant(width), significant(height));
         Error::usage(format!(

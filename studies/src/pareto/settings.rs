@@ -27,21 +27,13 @@ pub struct WaveletSetting {
     pub bits: u32,
     /// True if ranking of slices is perceptually weighted, with the corresponding bias; false if it is by energy.
     pub visible: bool,
-    /// True if levels of detail and discarded slices are energy-preserving.
-    pub energy_preserving: bool,
 }
 
 impl WaveletSetting {
     /// Settings of a recipe with a ratio.
     pub(super) fn of(recipe: &Recipe) -> Option<Self> {
         let Target::Ratio(ratio) = recipe.target else { return None };
-        Some(Self {
-            grid: 1 << recipe.levels,
-            ratio,
-            bits: recipe.bits,
-            visible: recipe.ranking == Ranking::Visible,
-            energy_preserving: recipe.energy_preserving,
-        })
+        Some(Self { grid: 1 << recipe.levels, ratio, bits: recipe.bits, visible: recipe.ranking == Ranking::Visible })
     }
 }
 
@@ -49,8 +41,7 @@ impl WaveletSetting {
 impl std::fmt::Display for WaveletSetting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { grid, ratio, bits, .. } = self;
-        write!(f, "{grid}², {ratio}:1, {bits} bits, {}", if self.visible { "visible" } else { "energy" })?;
-        f.write_str(if self.energy_preserving { ", energy-preserving" } else { "" })
+        write!(f, "{grid}², {ratio}:1, {bits} bits, {}", if self.visible { "visible" } else { "energy" })
     }
 }
 
@@ -65,23 +56,21 @@ pub fn settings(small: bool) -> Vec<PackRecipe> {
     let (levels, ratios) = if small { (&LEVELS[..1], &RATIOS[1..2]) } else { (&LEVELS[..], &RATIOS[..]) };
     for levels in levels {
         for ranking in [Ranking::Visible, Ranking::Energy] {
-            for lift in [false, true] {
-                all.extend(wavelets(*levels, ratios, ranking, lift));
-            }
+            all.extend(wavelets(*levels, ratios, ranking));
         }
     }
     if !small {
-        all.extend(wavelets(FINEST, ratios, Ranking::Visible, false));
+        all.extend(wavelets(FINEST, ratios, Ranking::Visible));
     }
     all
 }
 
-fn wavelets(levels: u32, ratios: &[f64], ranking: Ranking, lift: bool) -> impl Iterator<Item = PackRecipe> {
+fn wavelets(levels: u32, ratios: &[f64], ranking: Ranking) -> impl Iterator<Item = PackRecipe> {
     let of_ranking = match ranking {
         Ranking::Visible => Recipe::visible(),
         Ranking::Energy => Recipe::default(),
     };
-    let recipe = Recipe { levels, stored_levels: levels, energy_preserving: lift, ..of_ranking };
+    let recipe = Recipe { levels, stored_levels: levels, energy_preserving: true, ..of_ranking };
     let each = ratios.iter().flat_map(|ratio| BITS.map(|bits| (Target::Ratio(*ratio), bits)));
     each.map(move |(target, bits)| PackRecipe::Wavelet(Recipe { target, bits, ..recipe.clone() }))
 }

@@ -132,7 +132,13 @@ fn wrong_views_are_errors_without_output() {
     let refused = folder.run(&["pwt", "all.ktx2", "-o", "out.ptm"]);
     assert!(refused.code == 3 && refused.stderr.contains("views: found 7, expected 1"), "{refused:?}");
     let refused = folder.run(&["compare", "tile", "tile/none.ktx2"]);
-    assert!(refused.code != 0 && !refused.stderr.is_empty(), "{refused:?}");
+    assert!(refused.code == 4 && refused.stderr.contains("tile/none.ktx2"), "{refused:?}");
+    let most = u64::MAX.to_string();
+    let refused = folder.run(&["pwt", "tile", "-o", "out.ktx2", "--view", "all", "--hold-out-views", &most]);
+    assert!(
+        refused.code == 2 && refused.stderr.contains("--hold-out-views: found 18446744073709551615"),
+        "{refused:?}"
+    );
 }
 
 /// Images that exceed the limit of memory are an error before they are decoded.

@@ -133,7 +133,13 @@ fn builds_smooth_what_their_manifest_says() {
     scene("smooth = 4", "smooth = false");
     assert!(built(&[]).0 == plain);
     // The page of a build reads sources with the settings of the build.
-    scene("", "smooth = 4");
-    built(&[]);
-    folder.run(&["report", "packs", "-o", "report.html"]).succeeded();
+    let drawn_source = |own: &str| {
+        scene("", own);
+        built(&[]);
+        folder.run(&["report", "packs", "-o", "report.html"]).succeeded();
+        let page = String::from_utf8(folder.read("report.html")).unwrap();
+        let (before, _) = page.split_once("\" alt=\"sphere of a, source\"").expect("a rendering of the source");
+        before.rsplit_once("<img src=\"").expect("an image").1.to_owned()
+    };
+    assert!(drawn_source("smooth = 4") != drawn_source(""));
 }

@@ -2,7 +2,7 @@
 
 use super::crop::{needed_coefficients, window};
 use super::encode::{self, check, encode_tabulated};
-use super::energy::slices_in_all;
+use super::energy::{needed_in_trees, slices_of_trees};
 use super::measure::GridError;
 use super::recipe::{Ranking, Recipe, Target};
 use super::table::Grid;
@@ -119,27 +119,30 @@ impl BrdfRecipe for Recipe {
     }
 
     fn memory(&self) -> u64 {
-        // Grid and coefficients, three channels of f32 each.
-        MEMORY + 2 * 12 * (1u64 << (4 * self.levels))
+        // Grid and coefficients, three channels of f32 each; those of coarser levels are a third.
+        MEMORY + (2 * 12 * (1u64 << (4 * self.levels))).div_ceil(3) * if self.energy_preserving { 4 } else { 3 }
     }
 
     fn predict(&self) -> Predicted {
         let (grey, colour) = (self.header(1, 1.0, 1.0), self.header(3, 1.0, 1.0));
         let window = window(&grey, self.directions.light);
         let stored = 1usize << (2 * self.stored_levels);
-        let all = needed_coefficients(&grey, self.directions.view)[..stored].iter().filter(|needed| **needed).count();
-        let bytes = |header: &Header, retained: usize| gpu_bytes(header, window, slices_in_all(header, retained));
+        let needed = needed_coefficients(&grey, self.directions.view);
+        let (all, trees) = (needed[..stored].iter().filter(|needed| **needed).count(), needed_in_trees(&grey, &needed));
+        // Slices that no look-up within the directions reads are dropped.
+        let bytes = |header: &Header, retained: usize| {
+            gpu_bytes(header, window, 1 + retained.min(all) + slices_of_trees(&trees, [retained, stored]))
+        };
         // The zero slice, and the scaling coefficient of each tree.
         let smallest = gpu_bytes(&grey, window, 2 + grey.trees() as usize);
         match self.target {
             Target::Ratio(ratio) => {
                 let retained = ((grey.cells() as f64 / ratio).round() as usize).clamp(1, stored);
-                // Slices that no look-up within the directions reads are dropped as well.
                 let least = if all == stored { bytes(&grey, retained) } else { smallest };
-                Predicted { least, most: bytes(&colour, retained.min(all)) }
+                Predicted { least, most: bytes(&colour, retained) }
             }
             Target::MaxBytes(most) => Predicted { least: 0, most },
-            Target::MaxError(_) => Predicted { least: smallest, most: bytes(&colour, all) },
+            Target::MaxError(_) => Predicted { least: smallest, most: bytes(&colour, stored) },
         }
     }
 }
@@ -235,8 +238,9 @@ impl Encode for Recipe {
         let stored = self.header(channels, 1.0, 1.0);
         let window = Window::whole([whole.grid() as u32; 2]);
         let bytes = |header: &Header| {
-            let retained = all.min(1 << (2 * header.stored_levels));
-            gpu_bytes(header, window, slices_in_all(header, retained))
+            let stored = 1 << (2 * header.stored_levels);
+            let (retained, trees) = (all.min(stored), needed_in_trees(header, &vec![true; stored]));
+            gpu_bytes(header, window, 1 + retained + slices_of_trees(&trees, [retained, stored]))
         };
         Some(bytes(&whole) - bytes(&stored))
     }

@@ -1,7 +1,7 @@
 //! The encoder of wavelet packs, as a sequence of stages.
 
 use super::crop::{crop, needed_coefficients, window};
-use super::energy::{means, padded, slices_in_all, slices_of_tree};
+use super::energy::{means, needed_in_trees, padded, slices_of_tree, slices_of_trees};
 use super::log_encode::{LogEncoding, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
@@ -52,7 +52,9 @@ pub fn encode(source: &dyn Source, recipe: &Recipe, progress: &dyn Progress) -> 
 pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
-        let found = slices_in_all(&recipe.header(1, 1.0, 1.0), ratio_count(recipe.grid().cells(), ratio, most));
+        let needs = Needs::new(&recipe.header(1, 1.0, 1.0), recipe);
+        let retained = ratio_count(recipe.grid().cells(), ratio, most);
+        let found = 1 + retained + slices_of_trees(&needs.in_trees, [retained, most]);
         if found > MAX_SLICES {
             return Err(EncodeError::Size {
                 field: "ratio",
@@ -85,25 +87,35 @@ pub fn encode_tabulated(
     let of_level = |level: u32| log_encode(&means(table, level), encoding);
     let is_cut = header.energy_preserving && header.stored_levels < header.levels;
     let logarithms = if is_cut { of_level(header.stored_levels) } else { log_encode(table, encoding) };
-    let of_trees: Vec<Table> = (0..header.trees()).map(of_level).collect();
+    let samples_of_trees: Vec<Table> = (0..header.trees()).map(|level| means(table, level)).collect();
 
     start(Stage::Haar)?;
     let coefficients = haar::transform(&logarithms);
     let coefficients = if is_cut { padded(&coefficients, grid) } else { coefficients };
-    let trees: Vec<Table> = of_trees.iter().map(haar::transform).collect();
-    drop((logarithms, of_trees));
+    let of_trees = samples_of_trees.iter().map(|samples| haar::transform(&log_encode(samples, encoding)));
+    let trees: Vec<Table> = of_trees.collect();
+    drop(logarithms);
 
     start(Stage::Threshold)?;
-    let energies = match recipe.ranking {
-        Ranking::Energy => threshold::slice_energies(&coefficients),
-        Ranking::Visible => visible_energies(&coefficients, table, encoding),
+    let ranking = |coefficients: &Table, samples: &Table, stored_levels: u32| {
+        let energies = match recipe.ranking {
+            Ranking::Energy => threshold::slice_energies(coefficients),
+            Ranking::Visible => visible_energies(coefficients, samples, encoding),
+        };
+        threshold::ranking(&energies, stored_levels)
     };
-    let ranking = threshold::ranking(&energies, recipe.stored_levels);
     let needs = Needs::new(&header, recipe);
-    let slices = choose(&coefficients, table, &ranking, header, &needs, recipe.target)?;
+    let of_finest = ranking(&coefficients, table, recipe.stored_levels);
+    let (slices, of) = choose(&coefficients, table, &of_finest, header, &needs, recipe.target)?;
+    let slices_of_coarser = |(level, coefficients): (usize, &Table)| {
+        let needed = needs.of(&ranking(coefficients, &samples_of_trees[level], level as u32));
+        threshold::keep(&needed, slices_of_tree(needed.len(), [slices.len(), of]))
+    };
+    let slices_of_trees: Vec<Vec<u32>> = trees.iter().enumerate().map(slices_of_coarser).collect();
 
     start(Stage::Quantise)?;
-    let mut pack = assemble(&coefficients, &trees, &slices, header);
+    let chosen = std::iter::once((&coefficients, &slices)).chain(trees.iter().zip(&slices_of_trees));
+    let mut pack = assemble(chosen, header);
     drop((coefficients, trees));
 
     start(Stage::MeasureOnGrid)?;
@@ -132,20 +144,39 @@ struct Needs {
     directions: DirectionRange,
     window: Window,
     coefficients: Vec<bool>,
+    /// Number of these in each tree but the finest.
+    in_trees: Vec<usize>,
 }
 
 impl Needs {
     fn new(header: &Header, recipe: &Recipe) -> Self {
         let DirectionRange { light, view } = recipe.directions;
+        let coefficients = needed_coefficients(header, view);
         Self {
             directions: recipe.directions,
             window: window(header, light),
-            coefficients: needed_coefficients(header, view),
+            in_trees: needed_in_trees(header, &coefficients),
+            coefficients,
         }
+    }
+
+    /// The coefficients of a ranking that are needed.
+    fn of(&self, ranking: &[u32]) -> Vec<u32> {
+        ranking.iter().copied().filter(|k| self.coefficients[*k as usize]).collect()
+    }
+
+    /// Number of slices of a pack whose finest tree keeps `retained` of `of` coefficients.
+    fn slices(&self, retained: usize, of: usize) -> usize {
+        1 + retained + slices_of_trees(&self.in_trees, [retained, of])
+    }
+
+    /// Maximum number of slices of the finest tree.
+    fn most_slices(&self, of: usize) -> usize {
+        (1..=of).collect::<Vec<_>>().partition_point(|retained| self.slices(*retained, of) <= MAX_SLICES)
     }
 }
 
-/// Chooses the slices for the target.
+/// Chooses the slices of the finest tree for the target, and says of how many coefficients.
 fn choose(
     coefficients: &Table,
     reference: &Table,
@@ -153,44 +184,36 @@ fn choose(
     header: Header,
     needs: &Needs,
     target: Target,
-) -> Result<Vec<u32>, EncodeError> {
+) -> Result<(Vec<u32>, usize), EncodeError> {
     let count = match target {
         Target::Ratio(ratio) => ratio_count(header.cells(), ratio, ranking.len()),
         Target::MaxBytes(bytes) => {
-            let bytes_of = |retained: usize| gpu_bytes(&header, needs.window, slices_in_all(&header, retained));
+            let needed = needs.of(ranking);
+            let bytes_of = |retained| gpu_bytes(&header, needs.window, needs.slices(retained, needed.len()));
             if bytes_of(1) > bytes {
                 return Err(EncodeError::TooFewBytes { allowed: bytes, smallest: bytes_of(1) });
             }
-            let needed: Vec<u32> = ranking.iter().copied().filter(|k| needs.coefficients[*k as usize]).collect();
-            let most = needed.len().min(most_slices(&header));
-            let count = (1..=most).collect::<Vec<_>>().partition_point(|slices| bytes_of(*slices) <= bytes);
-            return Ok(threshold::keep(&needed, count));
+            let counts: Vec<usize> = (1..=needs.most_slices(needed.len())).collect();
+            let count = counts.partition_point(|slices| bytes_of(*slices) <= bytes);
+            return Ok((threshold::keep(&needed, count), needed.len()));
         }
         Target::MaxError(allowed) => {
             if reference.values.iter().all(|value| *value <= 0.0) {
                 return Err(EncodeError::NothingMeasured);
             }
             let error = |count: usize| {
-                let pack = assemble(
-                    coefficients,
-                    &[],
-                    &threshold::keep(ranking, count),
-                    Header { energy_preserving: false, ..header },
-                );
+                let slices = threshold::keep(ranking, count);
+                let finest = Header { energy_preserving: false, ..header };
+                let pack = assemble(std::iter::once((coefficients, &slices)), finest);
                 grid_error(reference, &WaveletDecoder::new(&pack), needs.directions).norms.relative_mean
             };
-            fewest_within(allowed, ranking.len().min(most_slices(&header)), error).map_err(|(found, slices)| {
+            fewest_within(allowed, needs.most_slices(ranking.len()), error).map_err(|(found, slices)| {
                 let best = format!("all {slices} slices at {} bits", header.bits);
                 EncodeError::BudgetMissed { found, allowed, best }
             })?
         }
     };
-    Ok(threshold::keep(ranking, count))
-}
-
-/// Maximum number of slices of the finest tree.
-fn most_slices(header: &Header) -> usize {
-    (1..MAX_SLICES).collect::<Vec<_>>().partition_point(|retained| slices_in_all(header, *retained) <= MAX_SLICES)
+    Ok((threshold::keep(ranking, count), ranking.len()))
 }
 
 /// Number of slices at a ratio, of at most as many as the stored levels have: a pack with fewer levels is already
@@ -221,9 +244,9 @@ fn fewest_within(allowed: f64, most: usize, error: impl Fn(usize) -> f64) -> Res
     Ok(met)
 }
 
-/// Assembles a pack of the chosen slices of the finest tree, without measuring its errors. The strongest coefficients of
-/// the other trees follow.
-fn assemble(coefficients: &Table, trees: &[Table], slices: &[u32], header: Header) -> WaveletPack {
+/// Assembles a pack of the chosen slices of each tree, the finest first and then from the coarsest on, without measuring its
+/// errors.
+fn assemble<'a>(trees: impl Iterator<Item = (&'a Table, &'a Vec<u32>)>, header: Header) -> WaveletPack {
     let mut pack = WaveletPack {
         header,
         index: Vec::with_capacity(header.coefficients()),
@@ -233,12 +256,7 @@ fn assemble(coefficients: &Table, trees: &[Table], slices: &[u32], header: Heade
         crop: None,
         texels: vec![0; header.cells() * header.texel_format().texel_bytes()],
     };
-    add_tree(&mut pack, coefficients, slices);
-    for (level, tree) in (0..).zip(trees) {
-        let ranking = threshold::ranking(&threshold::slice_energies(tree), level);
-        let kept = threshold::keep(&ranking, slices_of_tree(&header, level, slices.len()));
-        add_tree(&mut pack, tree, &kept);
-    }
+    trees.for_each(|(coefficients, slices)| add_tree(&mut pack, coefficients, slices));
     pack
 }
 

@@ -47,15 +47,22 @@ pub fn padded(coarse: &Table, grid: Grid) -> Table {
     Table { grid, fold: coarse.fold.clone(), values }
 }
 
-/// Number of slices of the tree of a level, for a finest tree with `retained` slices: the same share, but not too few.
-pub fn slices_of_tree(header: &Header, level: u32, retained: usize) -> usize {
-    let (all, stored) = (1usize << (2 * level), 1usize << (2 * header.stored_levels));
-    (all * retained).div_ceil(stored).clamp(all.min(retained).min(FEWEST), all)
+/// Number of coefficients of the tree of each level, the coarsest first, that look-ups within the range read, without the
+/// finest tree. Those of the finest tree are `needed`.
+pub fn needed_in_trees(header: &Header, needed: &[bool]) -> Vec<usize> {
+    let of_level = |level: u32| needed[..1 << (2 * level)].iter().filter(|needed| **needed).count();
+    (0..header.trees()).map(of_level).collect()
 }
 
-/// Number of slices of a pack whose finest tree has `retained` slices, including the zero slice.
-pub fn slices_in_all(header: &Header, retained: usize) -> usize {
-    1 + retained + (0..header.trees()).map(|level| slices_of_tree(header, level, retained)).sum::<usize>()
+/// Number of slices of a tree with `needed` coefficients, if the finest tree keeps `retained` of `of` coefficients: the same
+/// share, but not too few.
+pub fn slices_of_tree(needed: usize, [retained, of]: [usize; 2]) -> usize {
+    (needed * retained).div_ceil(of).clamp(needed.min(retained).min(FEWEST), needed)
+}
+
+/// Number of slices of all trees but the finest, see [`slices_of_tree`] and [`needed_in_trees`].
+pub fn slices_of_trees(needed: &[usize], share: [usize; 2]) -> usize {
+    needed.iter().map(|needed| slices_of_tree(*needed, share)).sum()
 }
 
 /// `∫ cos θ_o dω = ∫ sin² φ dφ ∫ sin θ dθ` over each cell of the outgoing hemisphere.
@@ -119,12 +126,17 @@ mod tests {
             bias: 0.01,
             energy_preserving: true,
         };
-        let of = |retained| [0, 1, 2, 3, 4].map(|level| slices_of_tree(&header, level, retained));
+        let trees = needed_in_trees(&header, &[true; 1024]);
+        assert_eq!(trees, [1, 4, 16, 64, 256]);
+        let of = |retained| trees.iter().map(|needed| slices_of_tree(*needed, [retained, 1024])).collect::<Vec<_>>();
         assert_eq!(of(256), [1, 4, 16, 16, 64]);
         assert_eq!(of(1024), [1, 4, 16, 64, 256]);
         assert_eq!(of(8), [1, 4, 8, 8, 8]);
         assert_eq!(of(1), [1; 5]);
-        assert_eq!(slices_in_all(&header, 256), 1 + 256 + 101);
-        assert_eq!(slices_in_all(&Header { energy_preserving: false, ..header }, 256), 257);
+        assert_eq!(slices_of_trees(&trees, [256, 1024]), 101);
+        // Without the coefficients that no look-up reads.
+        assert_eq!(slices_of_tree(32, [72, 72]), 32);
+        assert_eq!(slices_of_tree(32, [36, 72]), 16);
+        assert!(needed_in_trees(&Header { energy_preserving: false, ..header }, &[true; 1024]).is_empty());
     }
 }

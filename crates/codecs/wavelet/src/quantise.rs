@@ -30,7 +30,7 @@ pub fn quantise(coefficients: &Table, chosen: &[u32], header: &Header) -> Quanti
 }
 
 /// Quantises one slice, `[channel][outer cell]`, into its texels.
-pub fn quantise_slice(slice: &[f32], header: &Header, texels: &mut [u8]) -> SliceScale {
+fn quantise_slice(slice: &[f32], header: &Header, texels: &mut [u8]) -> SliceScale {
     let (format, cells) = (header.texel_format(), header.cells());
     let (components, bytes) = (format.components(), format.component_bytes());
     let scale = fit_scale(slice, header.bits);

@@ -24,16 +24,15 @@ pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEnco
     let (channels, rows, cells) = coefficients.values.dim();
     let grid = coefficients.grid;
     let n = grid.n();
-    let centres: Vec<Vector> = (0..cells).map(|cell| cell_centre(cell % n, cell / n, n)).collect();
-    // Solid angles of cells, up to a common factor.
-    let areas: Vec<f64> = (0..cells).map(|cell| (PI * ((cell / n) as f64 + 0.5) / n as f64).sin()).collect();
+    let (inner_cells, outer_cells) = (Cells::new(n), Cells::new(coefficients.fold.n));
     let of_row = |row: usize| {
         let outer = coefficients.fold.rows()[row] as usize;
         let (mut energies, mut weights) = (vec![0.0; cells], vec![0.0; cells]);
         for channel in 0..channels {
             for ((inner, weight_here), f) in weights.iter_mut().enumerate().zip(samples.row(channel, row)) {
-                let pair = grid.parameterisation.from_axes(centres[outer], centres[inner]);
-                *weight_here = areas[outer] * areas[inner] * weight(pair, f64::from(*f), encoding);
+                let pair = grid.parameterisation.from_axes(outer_cells.centres[outer], inner_cells.centres[inner]);
+                *weight_here =
+                    outer_cells.areas[outer] * inner_cells.areas[inner] * weight(pair, f64::from(*f), encoding);
             }
             add_energies(&mut weights, n, coefficients.row(channel, row), &mut energies);
         }
@@ -52,6 +51,21 @@ pub fn visible_energies(coefficients: &Table, samples: &Table, encoding: LogEnco
         parts.iter().sum()
     };
     (0..cells).map(whole).collect()
+}
+
+/// Cells of a grid of `n x n`.
+struct Cells {
+    centres: Vec<Vector>,
+    /// Solid angles, up to a common factor.
+    areas: Vec<f64>,
+}
+
+impl Cells {
+    fn new(n: usize) -> Self {
+        let centre = |cell| cell_centre(cell % n, cell / n, n);
+        let area = |cell| (PI * ((cell / n) as f64 + 0.5) / n as f64).sin();
+        Self { centres: (0..n * n).map(centre).collect(), areas: (0..n * n).map(area).collect() }
+    }
 }
 
 /// Effect of a squared error of the log-encoded value on renderings.

@@ -169,13 +169,21 @@ fn codecs_have_the_options_that_there_are() {
 #[test]
 fn packs_are_as_large_as_predicted() {
     let options = |text: &str| PackRecipe::try_from(keys(text));
-    let narrow = Elevations { from: 30.0, to: 90.0 };
-    let seen_from_above = DirectionRange { light: narrow, view: narrow };
+    let from = |degrees| Elevations { from: degrees, to: 90.0 };
+    let seen_from_above = DirectionRange { light: from(30.0), view: from(30.0) };
+    let narrow = DirectionRange { light: from(0.0), view: from(85.0) };
     let mut exact = 0;
     for address in ["synth:lambert?kd=0.5", "synth:ggx?kd=0.1,0.2,0.3&f0=0.04&alpha=0.3"] {
         let source = open(address, None).expect("an address").source;
-        for text in ["", "codec = 'table'", "max_bytes = 3000", "grid = 8\nratio = 4", "grid = 8\nmax_error = '30%'"] {
-            for directions in [DirectionRange::ALL, seen_from_above] {
+        for text in [
+            "",
+            "codec = 'table'",
+            "max_bytes = 3000",
+            "grid = 8\nratio = 4",
+            "grid = 32\nratio = 1",
+            "grid = 8\nmax_error = '30%'",
+        ] {
+            for directions in [DirectionRange::ALL, seen_from_above, narrow] {
                 let mut recipe = options(text).expect("in range");
                 recipe.limit_directions(directions);
                 recipe.limit_levels(&|levels| levels - 1);

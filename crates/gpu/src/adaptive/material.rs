@@ -46,8 +46,7 @@ pub(super) fn upload(
     let decoding = surroundings.decoding;
     let maps = [(material.bandwidth, BandwidthKind::Brdf), (surroundings.bandwidth, BandwidthKind::Environment)];
     let maps = maps.into_iter().filter(|(map, kind)| map.header().kind == *kind).map(|(map, _)| map);
-    let is_texture = |map: &&BandwidthMap| matches!(map.header().kind, BandwidthKind::Texture { .. });
-    let of_texture = material.texture.map(|texture| texture.bandwidth).filter(is_texture);
+    let of_texture = material.texture.map(|texture| texture.bandwidth).filter(|map| map.metres().is_some());
     let maps = maps.chain(of_texture).flat_map(|map| map.bindings().all);
     let all: Vec<_> = pack.bindings().all.into_iter().chain(maps).chain(material.samples.bindings().all).collect();
     let packs = layouts.packs.bind(gpu, &all, decoding.frame_block())?;

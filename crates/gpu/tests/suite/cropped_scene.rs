@@ -35,11 +35,11 @@ fn source() -> Box<dyn Source> {
 /// A complete pack and the same one cropped, for each codec.
 fn packs() -> [(BrdfPack, BrdfPack); 3] {
     let source = source();
-    let wavelet = |lift: bool| {
+    let wavelet = |is_preserving: bool| {
         let recipe = Recipe {
             levels: 4,
             stored_levels: 4,
-            energy_preserving: lift,
+            energy_preserving: is_preserving,
             measure_off_grid: false,
             ..Recipe::default()
         };

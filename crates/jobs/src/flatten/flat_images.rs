@@ -6,7 +6,7 @@ use super::input::Values;
 use crate::btf_stack::{StackFormat, write_channels, write_image};
 use crate::error::Error;
 use brdfc_core::progress::{Progress, Stage};
-use brdfc_flat_btf::encode::FlattenRecipe;
+use brdfc_flat_btf::encode::{FlattenRecipe, ReliefForm};
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_flat_btf::light_field::{
     ComputedField, FillGuide, FlattenedView, Holes, LightField, from_above, visible_from_each,
@@ -112,12 +112,16 @@ impl FlatFiles<'_> {
     /// Writes R and `Δ_v` (equation 2), in tiles, not wrapped.
     fn write_parameters(&self, model: &MesoModel, views: &[Vector], progress: &dyn Progress) -> Result<(), Error> {
         let size = self.recipe.texels as usize;
+        let rays = match &self.recipe.relief {
+            ReliefForm::Vdim(vdim) => vdim.oversampling as usize,
+            ReliefForm::Layers => OVERSAMPLING,
+        };
         progress.stage(Stage::Indirections, views.len() + 1)?;
-        let reference = seen_through_texels(model, [0.0, 0.0, 1.0], size, OVERSAMPLING);
+        let reference = seen_through_texels(model, [0.0, 0.0, 1.0], size, rays);
         self.write(&self.folder.join("reference.exr"), ["u", "v"], &reference)?;
         progress.step()?;
         for (view, direction) in views.iter().enumerate() {
-            let mut moved = seen_through_texels(model, *direction, size, OVERSAMPLING);
+            let mut moved = seen_through_texels(model, *direction, size, rays);
             moved.iter_mut().zip(&reference).for_each(|(seen, r)| *seen = [seen[0] - r[0], seen[1] - r[1]]);
             self.write(&self.of_view("displacements", view), ["u", "v"], &moved)?;
             progress.step()?;

@@ -38,6 +38,9 @@ pub struct FlattenJob<'a> {
 /// Returns an error if the recipe is invalid, the surface cannot be flattened, or a file cannot be read or written. An existing
 /// file of that name then stays unchanged.
 pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Error> {
+    if job.raw.is_some() {
+        job.recipe.check_images().map_err(Error::input)?;
+    }
     let Surface { geometry, materials, values: texels } = job.surface;
     let Geometry { mesh, weld, name: source, input, .. } = geometry;
     let staging = Staging::new(job.folder).map_err(|error| Error::write(job.folder, &error))?;

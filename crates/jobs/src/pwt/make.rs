@@ -10,6 +10,7 @@ use brdfc_readers::ptm::Ptm;
 use rand::RngExt as _;
 use rand::SeedableRng as _;
 use serde::Serialize;
+use std::cell::LazyCell;
 
 /// Errors at held-out lights.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -110,7 +111,8 @@ pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: HoldOut) -> Re
     let split = (hold_out.lights > 0).then(|| fitted_views.split(&left_out)).transpose().map_err(wrong)?;
     let fitted = split.as_ref().map_or(fitted_views, |[fitted, _]| fitted);
     let encoded = encode(fitted, recipe).map_err(wrong)?;
-    let decoder = PwtDecoder::new(encoded.pack.clone());
+    // Without anything held out, the texels need no copy.
+    let decoder = LazyCell::new(|| PwtDecoder::new(encoded.pack.clone()));
     let held_out = split.as_ref().map(|[_, unseen]| {
         let errors = stack_errors(&decoder, unseen, 1);
         HeldOut { lights: left_out.clone(), psnr: errors.psnr, delta_e: errors.delta_e }
@@ -122,7 +124,7 @@ pub fn make(samples: &LightSamples, recipe: &PwtRecipe, hold_out: HoldOut) -> Re
 /// The views that a seeded permutation holds out.
 fn held_out_views(samples: &LightSamples, HoldOut { views, seed, .. }: HoldOut) -> Result<Vec<usize>, Error> {
     let count = samples.view_count();
-    if views > 0 && views + 2 > count {
+    if views > count.saturating_sub(2) {
         let allowed = match count {
             1 => "0, as the input has one view".to_owned(),
             _ => format!("0 to {}, as at least two views must be fitted", count - 2),

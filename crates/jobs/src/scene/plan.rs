@@ -11,8 +11,10 @@ use super::textures::TextureJob;
 use super::uses::Use;
 use crate::encode::{OptionError, PackRecipe, options_over};
 use crate::error::Error;
+use brdfc_core::Smooth;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_lobes::LobesRecipe;
+use brdfc_source::scan::is_scan;
 use brdfc_source::{Input, Reading};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -64,7 +66,7 @@ impl Job {
 
     /// Returns true if it needs any of the maps for adaptive shading.
     pub(super) fn has_maps(&self) -> bool {
-        self.maps != [false; 2] || self.texture.is_some()
+        self.maps != [false; 2]
     }
 }
 
@@ -193,13 +195,18 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
             Some(address) => Input::Address(address.to_owned()),
             None => Input::File(folder.join(&material.source)),
         };
+        let mut reading = material.reading.over(defaults.reading);
+        // Scans have no radius. A material's own one is an error.
+        if material.reading.smooth.is_none() && matches!(reading.smooth, Some(Smooth::Radius(_))) && is_scan(&input)? {
+            reading.smooth = None;
+        }
         let uses = uses.remove(name.as_str()).unwrap_or_default();
         let texture = uses.iter().find_map(|(_, used)| TextureJob::of(used, folder)).filter(|_| need.texture);
         plan.jobs.push(Job {
             name: name.clone(),
             declared: material.source.display().to_string(),
             input,
-            reading: material.reading.over(defaults.reading),
+            reading,
             asked,
             recipe,
             lobes: need.lobes.then_some(lobes),

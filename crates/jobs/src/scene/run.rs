@@ -286,7 +286,8 @@ impl BuildContext<'_> {
         let length = job.input.path().and_then(|path| path.metadata().ok()).map_or(0, |metadata| metadata.len());
         let extension = kind_of(&job.input);
         let of_lobes = job.lobes.map_or(0, |_| memory::LOBES);
-        let bytes = memory::of_source(&extension, length).saturating_add(job.recipe.memory().max(of_lobes));
+        let bytes = memory::of_source(&extension, length, job.reading.smooth.is_some())
+            .saturating_add(job.recipe.memory().max(of_lobes));
         let _share = shared.take(bytes);
         progress.check()?;
         // On the pool's threads, so that the number of busy threads does not change.
@@ -335,13 +336,13 @@ impl BuildContext<'_> {
     }
 
     fn look_up(&self, job: &Job, source: Digest) -> CachedMaterial {
-        let (store, placed, has_maps) = (self.store, self.placed, job.maps != [false; 2]);
+        let (store, placed) = (self.store, self.placed);
         let values = values_of(source, job.reading);
         CachedMaterial {
             source,
             pack: store.look_up(&pack_key(values, &job.recipe), placed),
             lobes: job.lobes.and_then(|recipe| store.look_up(&lobes_key(values, &recipe), placed)),
-            maps: if has_maps { store.look_up(&maps_key(values, job.maps), placed) } else { None },
+            maps: if job.has_maps() { store.look_up(&maps_key(values, job.maps), placed) } else { None },
             texture: job.texture.as_ref().and_then(|texture| {
                 store.look_up(&Key::new(TEXTURE, store.known(&texture.path)?, &texture.recipe()), placed)
             }),

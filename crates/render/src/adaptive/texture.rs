@@ -8,7 +8,7 @@ use crate::curvature::step_squared;
 use crate::gbuffer::GBuffer;
 use crate::mipmaps::Mipmaps;
 use brdfc_core::LUMINANCE_WEIGHTS;
-use brdfc_formats::bandwidth::{BandwidthKind, BandwidthMap};
+use brdfc_formats::bandwidth::BandwidthMap;
 
 /// A texture on a part of a scene. It repeats.
 #[derive(Debug, Clone, Copy)]
@@ -58,10 +58,7 @@ struct Footprint {
 impl PartTexture<'_> {
     /// Width and height of a repetition in metres; 1 for other kinds of maps.
     pub fn metres(&self) -> [f32; 2] {
-        match self.bandwidth.header().kind {
-            BandwidthKind::Texture { metres, .. } => metres,
-            _ => [1.0; 2],
-        }
+        self.bandwidth.metres().unwrap_or([1.0; 2])
     }
 
     /// The texture at a point that shows its part.

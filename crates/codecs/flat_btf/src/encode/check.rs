@@ -68,13 +68,23 @@ impl FlattenRecipe {
             };
             self.target.check(&header).map_err(with_brdf)?;
         }
-        let bytes = self.bytes(1);
-        if bytes > MAX_BYTES {
-            let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
-            let allowed = format!("at most {}; reduce texels, views, lights or bounces", gib(MAX_BYTES));
-            return Err(FormatError::whole("memory", gib(bytes), allowed));
-        }
-        Ok(())
+        within_memory(self.bytes(1))
+    }
+
+    /// Checks that the images of one view at a time, and the masks of all, fit into memory.
+    ///
+    /// # Errors
+    /// Returns an error if they do not.
+    pub fn check_images(&self) -> Result<(), FormatError> {
+        let texels = (self.flat_texels * self.flat_texels) as u64;
+        let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
+        within_memory(texels * (TEXEL_BYTES + views + lights * self.bytes_per_light(1)))
+    }
+
+    /// Bytes per texel and light of the images of views, and of the guide that fills their holes.
+    fn bytes_per_light(&self, views_at_once: usize) -> u64 {
+        let guide = u64::from(self.fill == FillMethod::Poisson);
+        VALUE_BYTES * (views_at_once as u64 + guide) + 1
     }
 
     /// Checks the settings of an indirection map.
@@ -106,8 +116,7 @@ impl FlattenRecipe {
     pub fn bytes(&self, views_at_once: usize) -> u64 {
         let texels = (self.flat_texels * self.flat_texels) as u64;
         let (views, lights) = (self.views.len() as u64, self.lights.len() as u64);
-        let guide = u64::from(self.fill == FillMethod::Poisson);
-        let per_light = VALUE_BYTES * (views_at_once as u64 + guide) + 1;
+        let per_light = self.bytes_per_light(views_at_once);
         let layers = match self.vdim_header() {
             None => LAYER_BYTES * u64::from(self.texels).pow(2),
             Some(header) => {
@@ -126,6 +135,16 @@ impl FlattenRecipe {
             + layers
             + Bounces::bytes(texels as usize, self.bounces, self.lights.len())
     }
+}
+
+/// Checks a number of bytes against the limit.
+fn within_memory(bytes: u64) -> Result<(), FormatError> {
+    if bytes > MAX_BYTES {
+        let gib = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
+        let allowed = format!("at most {}; reduce texels, views, lights or bounces", gib(MAX_BYTES));
+        return Err(FormatError::whole("memory", gib(bytes), allowed));
+    }
+    Ok(())
 }
 
 /// Polar angles and azimuths in radians, azimuths from 0 to below 2π.

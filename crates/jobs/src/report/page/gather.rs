@@ -185,7 +185,8 @@ pub fn source_of(note: &BuiltNote) -> Result<Box<dyn Source>, String> {
         return Err("the path of the source is unknown: the folder has no store".to_owned());
     }
     let input = Input::from(note.source.as_str());
-    let reading = serde_json::from_str(&note.reading).unwrap_or_default();
+    let reading = serde_json::from_str(&note.reading)
+        .map_err(|error| format!("{}: settings of reading: {error}", note.source))?;
     let (opened, digest, _) =
         opened_with_digest(&input, reading, &kind_of(&input), u64::MAX).map_err(|error| error.to_string())?;
     match note.digest {
