@@ -1,5 +1,6 @@
 //! Times of a frame under point lights and in an environment, on a graphics adapter.
 
+use crate::timing::fastest;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::environment_map;
 use brdfc_core::Source;
@@ -17,10 +18,7 @@ use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::Reflectance;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::time::Instant;
 
-/// Number of runs of a timing, of which the fastest counts.
-const RUNS: usize = 5;
 /// Samples per pixel of forward shading.
 const SAMPLES: [u32; 3] = [1, 4, 16];
 
@@ -129,16 +127,4 @@ pub fn frame_times(
         lobes: by_lobes,
         forward,
     })
-}
-
-/// Seconds of the fastest run. The first run does not count, because drivers compile shaders then.
-fn fastest<T>(run: impl Fn() -> Result<T, GpuError>) -> Result<f64, GpuError> {
-    run()?;
-    let mut seconds = f64::INFINITY;
-    for _ in 0..RUNS {
-        let started = Instant::now();
-        run()?;
-        seconds = seconds.min(started.elapsed().as_secs_f64());
-    }
-    Ok(seconds)
 }
