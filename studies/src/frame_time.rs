@@ -19,6 +19,8 @@ use brdfc_render::shade::Reflectance;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+/// Number of runs of a timing, of which the fastest counts.
+const RUNS: usize = 5;
 /// Samples per pixel of forward shading.
 const SAMPLES: [u32; 3] = [1, 4, 16];
 
@@ -89,13 +91,13 @@ pub fn frame_times(
     let packs: Vec<&BrdfPack> = materials.iter().map(|material| &material.pack).collect();
     let renderer = Renderer::new(gpu)?;
     let loaded = renderer.load(scene, &packs, decoding)?;
-    let points = fastest(|| renderer.draw(&loaded, &scene.camera, frame))?;
+    let points = fastest(RUNS, || renderer.draw(&loaded, &scene.camera, frame))?;
     progress("point lights");
 
     let lobes: Vec<Option<&LobesPack>> = materials.iter().map(|material| Some(&material.lobes)).collect();
     let renderer = LobesRenderer::new(gpu, lobes_scene_source(), light)?;
     let loaded = renderer.load(scene, &lobes)?;
-    let by_lobes = fastest(|| renderer.draw(&loaded, &scene.camera, frame))?;
+    let by_lobes = fastest(RUNS, || renderer.draw(&loaded, &scene.camera, frame))?;
     progress("lobes");
 
     let lookups = materials.iter().map(|material| Lookups::new(material.source).expect("default recipes"));
@@ -113,7 +115,7 @@ pub fn frame_times(
     let surface = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count();
     let mut forward = Vec::new();
     for samples in SAMPLES {
-        let seconds = fastest(|| renderer.forward(&loaded, &g_buffer, samples))?;
+        let seconds = fastest(RUNS, || renderer.forward(&loaded, &g_buffer, samples))?;
         forward.push(ForwardTime { samples, seconds });
         progress(&format!("forward, {samples}"));
     }
