@@ -148,9 +148,9 @@ fn layout(map: &Vdim) -> Panel {
     let block = (0..count).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
     let [i, j] = [block % header.size as usize, block / header.size as usize];
     let one = (0..polar * rows).map(|k| at(i * polar + k % polar, j * rows + k / polar)).collect::<Vec<_>>();
-    // Each pixel is the mean of as many texels as make both panels equally large.
+    // Each pixel is the mean of as many texels as make both panels equally large. Texels that are left over are cut off.
     let reduced = (header.size as usize / BLOCKS).max(1);
-    let [across, down] = [width / reduced, header.size as usize * rows / reduced];
+    let [across, down] = [polar, rows].map(|count| header.size as usize / reduced * count);
     let mean = |k: usize| {
         let texels =
             (0..reduced * reduced).map(|n| at(k % across * reduced + n % reduced, k / across * reduced + n / reduced));
@@ -204,4 +204,38 @@ fn byte(share: f32) -> u8 {
 
 fn encoded(value: [f32; 3]) -> [u8; 3] {
     value.map(|c| encode_srgb_byte(f64::from(c).min(1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use brdfc_flat_btf::structures::Structure;
+
+    fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
+        let start = 3 * (y * panel.width + x);
+        panel.rgb[start..start + 3].try_into().unwrap()
+    }
+
+    #[test]
+    fn the_first_row_of_a_square_is_the_lowest() {
+        let panel = square(vec![[1; 3], [2; 3], [3; 3], [4; 3]]);
+        let last = SIDE - 1;
+        let corners = [[0, last], [last, last], [0, 0], [last, 0]];
+        assert_eq!(corners.map(|at| pixel(&panel, at)), [[1; 3], [2; 3], [3; 3], [4; 3]]);
+    }
+
+    /// A side view does not see all of the surface; the control is the view from above, which sees a height field.
+    #[test]
+    fn texels_that_a_view_does_not_see_are_filled() {
+        let structure = Structure::parse("knit?resolution=32&height=2").unwrap();
+        let model = MesoModel::new(structure.mesh(), 0, &()).unwrap();
+        let unseen = |polar: f64| {
+            let views = [from_polar(polar, 0.6), from_polar(0.5, 2.0)];
+            let (seen, [poisson, push_pull]) = flat_images(&model, &structure.appearance(), views, 16);
+            let images = poisson.iter().zip(&push_pull);
+            assert!(seen.iter().zip(images).all(|(seen, (a, b))| !seen || a == b), "seen texels stay");
+            seen.iter().filter(|seen| !**seen).count()
+        };
+        assert!(unseen(1.2) > unseen(0.0), "{} {}", unseen(1.2), unseen(0.0));
+    }
 }

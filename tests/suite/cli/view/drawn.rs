@@ -399,8 +399,14 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
     println!("view: {} KiB are the page's own, with packs of all five kinds", alone >> 10);
     // Views of trees take 12 KiB of them.
     assert!(alone < 320 << 10);
-    let cases =
-        [("button", "plane"), ("button", "teapot"), ("view.ktx2", ""), ("brdf", "plane"), ("map", "plane"), ("map", "teapot")];
+    let cases = [
+        ("button", "plane"),
+        ("button", "teapot"),
+        ("view.ktx2", ""),
+        ("brdf", "plane"),
+        ("map", "plane"),
+        ("map", "teapot"),
+    ];
     let changes = [
         json!({ "scene": "plane", "left": 0, "right": -1 }),
         json!({ "scene": "teapot" }),
