@@ -1,5 +1,6 @@
 //! Times of a frame under point lights and in an environment, on a graphics adapter.
 
+use crate::timing::fastest;
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::map::environment_map;
 use brdfc_core::Source;
@@ -17,7 +18,6 @@ use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::Reflectance;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::time::Instant;
 
 /// Number of runs of a timing, of which the fastest counts.
 const RUNS: usize = 5;
@@ -91,13 +91,13 @@ pub fn frame_times(
     let packs: Vec<&BrdfPack> = materials.iter().map(|material| &material.pack).collect();
     let renderer = Renderer::new(gpu)?;
     let loaded = renderer.load(scene, &packs, decoding)?;
-    let points = fastest(|| renderer.draw(&loaded, &scene.camera, frame))?;
+    let points = fastest(RUNS, || renderer.draw(&loaded, &scene.camera, frame))?;
     progress("point lights");
 
     let lobes: Vec<Option<&LobesPack>> = materials.iter().map(|material| Some(&material.lobes)).collect();
     let renderer = LobesRenderer::new(gpu, lobes_scene_source(), light)?;
     let loaded = renderer.load(scene, &lobes)?;
-    let by_lobes = fastest(|| renderer.draw(&loaded, &scene.camera, frame))?;
+    let by_lobes = fastest(RUNS, || renderer.draw(&loaded, &scene.camera, frame))?;
     progress("lobes");
 
     let lookups = materials.iter().map(|material| Lookups::new(material.source).expect("default recipes"));
@@ -115,7 +115,7 @@ pub fn frame_times(
     let surface = (0..buffer.part.len()).filter(|point| buffer.part_at(*point).is_some()).count();
     let mut forward = Vec::new();
     for samples in SAMPLES {
-        let seconds = fastest(|| renderer.forward(&loaded, &g_buffer, samples))?;
+        let seconds = fastest(RUNS, || renderer.forward(&loaded, &g_buffer, samples))?;
         forward.push(ForwardTime { samples, seconds });
         progress(&format!("forward, {samples}"));
     }
@@ -129,16 +129,4 @@ pub fn frame_times(
         lobes: by_lobes,
         forward,
     })
-}
-
-/// Seconds of the fastest run. The first run does not count, because drivers compile shaders then.
-fn fastest<T>(run: impl Fn() -> Result<T, GpuError>) -> Result<f64, GpuError> {
-    run()?;
-    let mut seconds = f64::INFINITY;
-    for _ in 0..RUNS {
-        let started = Instant::now();
-        run()?;
-        seconds = seconds.min(started.elapsed().as_secs_f64());
-    }
-    Ok(seconds)
 }

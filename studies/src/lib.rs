@@ -72,7 +72,8 @@ pub enum Study {
     /// Numerical stability: every stage at the ends of its range, its worst error, the bound, and the error of a deliberately
     /// broken stage. Takes a minute.
     Stress,
-    /// Time of a frame under point lights, and in an environment by lobes and by forward shading.
+    /// Time of a frame under point lights, and in an environment by lobes and by forward shading; and with each form of relief of
+    /// flat BTFs.
     FrameTime,
     /// Section 5 of Bagher et al. 2012: samples and time for the same PSNR, and for the same FLIP, under an environment, on
     /// the CPU: forward shading, filtered importance sampling, half and quarter resolution, the split sum of engines,
@@ -144,7 +145,13 @@ pub enum StudyResult {
     },
     /// Times of a frame.
     #[cfg(feature = "render")]
-    FrameTime(frame_time::FrameTimes),
+    FrameTime {
+        /// A scene with packs of materials.
+        #[serde(flatten)]
+        times: frame_time::FrameTimes,
+        /// A plane with flat BTFs.
+        reliefs: relief::ReliefFrames,
+    },
     /// Methods of shading under an environment at equal error.
     #[cfg(feature = "render")]
     Adaptive {

@@ -2,12 +2,13 @@
 
 use super::device::{Gpu, GpuError};
 use super::flat_textures;
-use super::raster::{draw_with_one_material, view_wgsl};
+use super::load::LoadedScene;
+use super::raster::{Rasteriser, load_with_one_material, view_wgsl};
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{COVER_WGSL, FlatMaterial};
-use brdfc_render::scene::{Frame, Scene};
+use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::ShaderStages;
 
 /// The complete shader: decoders, scene.
@@ -35,9 +36,42 @@ pub fn draw_flat_btf_by(
     frame: Frame,
     material: &FlatMaterial,
 ) -> Result<LinearImage, GpuError> {
-    let slots = flat_textures::slots(gpu, ShaderStages::FRAGMENT);
-    let textures = flat_textures::upload(gpu, &slots, material.decoder(), FrameBlock::exact(), material.directions())?;
-    let finer = (frame.samples as f32).log2();
-    let words = [material.repeat(), finer.to_bits(), 0, 0];
-    draw_with_one_material(gpu, source, &material.cover(scene), frame, (&slots.layout, textures), words)
+    LoadedFlatBtf::new(gpu, source, scene, frame.samples, (material, FrameBlock::exact()))?.draw(&scene.camera, frame)
+}
+
+/// A scene whose parts all use one flat BTF, loaded for any number of frames.
+pub struct LoadedFlatBtf<'g> {
+    rasteriser: Rasteriser<'g>,
+    scene: LoadedScene,
+}
+
+impl<'g> LoadedFlatBtf<'g> {
+    /// Compiles the shader `source` and uploads scene and material, for frames of `samples` x `samples` per pixel.
+    ///
+    /// # Errors
+    /// Returns [`GpuError::TooLarge`] if the adapter cannot hold the material; an error if the source does not validate; any
+    /// error that the driver reports.
+    pub fn new(
+        gpu: &'g Gpu,
+        source: String,
+        scene: &Scene,
+        samples: usize,
+        (material, sampling): (&FlatMaterial, FrameBlock),
+    ) -> Result<Self, GpuError> {
+        let slots = flat_textures::slots(gpu, ShaderStages::FRAGMENT);
+        let textures = flat_textures::upload(gpu, &slots, material.decoder(), sampling, material.directions())?;
+        let finer = (samples as f32).log2();
+        let words = [material.repeat(), finer.to_bits(), 0, 0];
+        let textures = (&slots.layout, textures);
+        let (rasteriser, scene) = load_with_one_material(gpu, source, &material.cover(scene), textures, words)?;
+        Ok(Self { rasteriser, scene })
+    }
+
+    /// Draws a frame, and reads it back.
+    ///
+    /// # Errors
+    /// Returns an error for images beyond the adapter's limits; any error that the driver reports.
+    pub fn draw(&self, camera: &Camera, frame: Frame) -> Result<LinearImage, GpuError> {
+        self.rasteriser.draw(&self.scene, camera, frame)
+    }
 }

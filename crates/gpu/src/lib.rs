@@ -19,7 +19,7 @@ pub use adaptive::{AdaptiveRenderer, AdaptiveShaders, LoadedAdaptive, LoadedGBuf
 pub use bindings::texture_format;
 pub use device::{AdapterChoice, AdapterDescription, Gpu, GpuError};
 pub use draw::{Decoding, Renderer, SliceFilter, scene_source};
-pub use flat::{draw_flat_btf, draw_flat_btf_by, flat_scene_source};
+pub use flat::{LoadedFlatBtf, draw_flat_btf, draw_flat_btf_by, flat_scene_source};
 pub use load::LoadedScene;
 pub use lobes_scene::{LobesRenderer, draw_lobes, lobes_scene_source};
 pub use pwt_scene::{draw_pwt, draw_pwt_by, pwt_scene_source};

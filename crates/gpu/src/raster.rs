@@ -52,27 +52,41 @@ impl Target {
     }
 }
 
-/// Draws a scene whose parts all have `textures` as group 1, with its layout, and these words as a uniform block in
-/// group 2.
+/// Draws a scene as [`load_with_one_material`] loads it.
 ///
 /// # Errors
-/// Returns an error if the source does not validate, with the compiler's message; for images beyond the adapter's
-/// limits; any error that the driver reports.
+/// Returns the errors of [`load_with_one_material`]; an error for images beyond the adapter's limits.
 pub(super) fn draw_with_one_material(
     gpu: &Gpu,
     source: String,
     scene: &Scene,
     frame: Frame,
-    (layout, textures): (&BindGroupLayout, BindGroup),
+    textures: (&BindGroupLayout, BindGroup),
     words: [u32; 4],
 ) -> Result<LinearImage, GpuError> {
+    let (rasteriser, loaded) = load_with_one_material(gpu, source, scene, textures, words)?;
+    rasteriser.draw(&loaded, &scene.camera, frame)
+}
+
+/// Loads a scene whose parts all have `textures` as group 1, with its layout, and these words as a uniform block in
+/// group 2.
+///
+/// # Errors
+/// Returns an error if the source does not validate, with the compiler's message; any error that the driver reports.
+pub(super) fn load_with_one_material<'g>(
+    gpu: &'g Gpu,
+    source: String,
+    scene: &Scene,
+    (layout, textures): (&BindGroupLayout, BindGroup),
+    words: [u32; 4],
+) -> Result<(Rasteriser<'g>, LoadedScene), GpuError> {
     let material_layout = bindings::layout(gpu, "material", ShaderStages::FRAGMENT, [(0, UNIFORM)]);
     let rasteriser = Rasteriser::new(gpu, source, &[layout, &material_layout])?;
     let uniform = gpu.buffer(bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
     let material = bindings::group(gpu, &material_layout, [(0, uniform.as_entire_binding())]);
     let groups = vec![vec![textures, material]; scene.parts.len()];
     let loaded = load(gpu, &rasteriser.view_layout, scene, groups, [0; 2])?;
-    rasteriser.draw(&loaded, &scene.camera, frame)
+    Ok((rasteriser, loaded))
 }
 
 impl<'g> Rasteriser<'g> {

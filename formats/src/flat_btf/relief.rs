@@ -47,6 +47,11 @@ impl Relief {
         }
     }
 
+    /// True if the relief shadows itself: rays through layers, or sampled shadows.
+    pub fn casts_shadows(&self) -> bool {
+        self.layers().is_some() || self.shadows().is_some()
+    }
+
     /// Texels of the reference plane per side.
     pub fn size(&self) -> u32 {
         match self {

@@ -7,11 +7,11 @@ use brdfc_render::rendering::{Panel, octave_map, sheet};
 /// Range of the colour scale of variances, below the largest one.
 const OCTAVES: f32 = 12.0;
 /// Pixels per side of a panel of variances, at least.
-const SIDE: usize = 256;
+pub(super) const SIDE: usize = 256;
 /// Pixels per view and light of an apparent BRDF.
 const MAGNIFICATION: usize = 3;
 /// Marks what a view does not see.
-const UNSEEN: [u8; 3] = [40, 70, 200];
+pub(super) const UNSEEN: [u8; 3] = [40, 70, 200];
 
 /// Figure 11: variance of the ordinary BTF, of the flat BTF with holes filled by push-pull, and of its seen texels; on one
 /// logarithmic scale, dark to pale yellow.
@@ -48,7 +48,7 @@ pub(super) fn apparent_figure(brdfs: &[ApparentBrdf], lights: usize) -> Panel {
 }
 
 /// Repeats each pixel in both directions.
-fn magnified(panel: &Panel, times: usize) -> Panel {
+pub(super) fn magnified(panel: &Panel, times: usize) -> Panel {
     let row = |y: usize| {
         let pixels = panel.rgb[3 * panel.width * y..3 * panel.width * (y + 1)].chunks_exact(3);
         pixels.flat_map(|pixel| pixel.repeat(times)).collect::<Vec<u8>>().repeat(times)

@@ -5,6 +5,7 @@ use super::apparent::{Apparent, ApparentSizes, summary};
 use super::coherency::{ViewVariance, spread, texel_variances};
 use super::figures::{ApparentBrdf, apparent_figure, variance_figure};
 use super::grids::grid_errors;
+use super::illustrations::Illustrations;
 use super::reconstruction::{LookUps, row};
 use super::rows::{CoherencyRow, ModelRow, StudySettings};
 use brdfc_core::address::AddressError;
@@ -55,6 +56,24 @@ pub struct ModelFigures {
     /// Figures 13 and 14: apparent BRDFs, views by lights, of the ordinary and the flat BTF for a surface point, then for
     /// the same texel of both. Blue where a view does not see the texel.
     pub apparent: Panel,
+    /// Figures 3, 4, 6, 7 and 9.
+    pub illustrations: Illustrations,
+}
+
+impl ModelFigures {
+    /// The figures with their names.
+    pub fn named(&self) -> [(&'static str, &Panel); 7] {
+        let Self { variance, apparent, illustrations: of } = self;
+        [
+            ("variance", variance),
+            ("apparent", apparent),
+            ("parameterisation", &of.parameterisation),
+            ("holes", &of.holes),
+            ("displacements", &of.displacements),
+            ("layout", &of.layout),
+            ("reconstruction", &of.reconstruction),
+        ]
+    }
 }
 
 /// Studies one structure. Calls `view_done` after each view.
@@ -89,9 +108,10 @@ pub fn study_model(
     let (chosen, flat_picks, btf_picks) = picks(&model, settings);
     let (mut flat_apparent, mut btf_apparent) = (Apparent::new(flat_picks), Apparent::new(btf_picks));
     let mut images = Vec::new();
-    let maps = stored_maps(&model, &appearance, settings)?;
+    let files = stored_files(&model, &appearance, settings)?;
+    let maps = files.each_ref().map(map_of);
     for (view, direction) in directions.iter().enumerate() {
-        let look_ups = LookUps::new(&model, &maps, *direction, settings);
+        let look_ups = LookUps::new(&model, maps, *direction, settings);
         let Ok(push_pull) = FlattenedView::new(&field, view, &masks[view], Holes::PushPull);
         let Ok(poisson) = FlattenedView::new(&field, view, &masks[view], Holes::Poisson(&guide));
         let light = |(light, statistics): (usize, &mut PerLight)| {
@@ -126,6 +146,7 @@ pub fn study_model(
     let figures = ModelFigures {
         variance: variance_figure([&btf, &push_pull, &visible]),
         apparent: apparent_figure(&brdfs.collect::<Vec<_>>(), count),
+        illustrations: Illustrations::new(&model, &appearance, (&files[0], maps[0])),
     };
     let name = structure.info().name;
     let (_, paper_model, paper) =
@@ -149,30 +170,34 @@ pub fn study_model(
     Ok((row, figures))
 }
 
-/// The indirection map and its compact form as files hold them, with the reflectance of the materials.
-fn stored_maps(
+/// Files with the indirection map and with its compact form, read again, with the reflectance of the materials.
+fn stored_files(
     model: &MesoModel,
     appearance: &Appearance,
     settings: &StudySettings,
-) -> Result<[Vdim; 2], EncodeError<Infallible>> {
+) -> Result<[FlatBtfDecoder; 2], EncodeError<Infallible>> {
     let header = settings.map_header();
     let measured = MeasuredVdim::new(model, header, OVERSAMPLING, &())?;
     let heights = ParameterHeights::new(model, &header);
-    let maps = [measured.map()?, measured.compact(texels_of_block(header.size), &heights)?];
+    let [map, compact] = [measured.map()?, measured.compact(texels_of_block(header.size), &heights)?];
     let shares = |point: &SurfacePoint| appearance.shares(point);
     let surface = texel_surface(&model.mesh, &model.parameterisation.coordinates, settings.flat_texels, shares);
     let counts = projected(&model.texels(settings.flat_texels), &model.caster);
     let made = known(&appearance.sources, &surface, settings.flat_texels as u32, &counts)?;
     let reflectance = made.expect("structures have at most two materials").asset;
-    let stored = |map: &Vdim| -> Result<Vdim, EncodeError<Infallible>> {
-        let parts = FlatBtfParts::new(Relief::sampled(map.clone(), None)?, reflectance.clone());
+    let stored = |map: Vdim| -> Result<FlatBtfDecoder, EncodeError<Infallible>> {
+        let parts = FlatBtfParts::new(Relief::sampled(map, None)?, reflectance.clone());
         let file = FlatBtfFile::new(FlatBtfDecoder::new(parts))?.to_bytes(false);
-        match FlatBtfFile::from_bytes(&file)?.decoder.into_parts().relief {
-            Relief::Vdim(map, _) => Ok(map),
-            Relief::Layers(_) => unreachable!("a file keeps its form of relief"),
-        }
+        Ok(FlatBtfFile::from_bytes(&file)?.decoder)
     };
-    Ok([stored(&maps[0])?, stored(&maps[1])?])
+    Ok([stored(map)?, stored(compact)?])
+}
+
+fn map_of(file: &FlatBtfDecoder) -> &Vdim {
+    match &file.parts().relief {
+        Relief::Vdim(map, _) => map,
+        Relief::Layers(_) => unreachable!("a file keeps its form of relief"),
+    }
 }
 
 /// Texels whose apparent BRDFs are compared: first the paper's two (one surface point in both, then the same texel in

@@ -20,8 +20,8 @@ pub(super) struct LookUps {
 
 impl LookUps {
     /// Look-ups of one view.
-    pub(super) fn new(model: &MesoModel, maps: &[Vdim; 2], view: Vector, settings: &StudySettings) -> Self {
-        let [blended, compact] = maps.each_ref().map(|map| map.parameters(view.map(|c| c as f32)));
+    pub(super) fn new(model: &MesoModel, maps: [&Vdim; 2], view: Vector, settings: &StudySettings) -> Self {
+        let [blended, compact] = maps.map(|map| map.parameters(view.map(|c| c as f32)));
         Self {
             seen: ViewImage::new(model, view, settings.texels, settings.oversampling),
             blended,
@@ -178,7 +178,7 @@ mod tests {
             let field = ComputedField::new(&texels, &self.appearance, &views, &lights, &lit);
             let mask = visible(&texels, &self.model.caster, view);
             let Ok(flat) = FlattenedView::new(&field, 0, &mask, Holes::PushPull).unwrap().image(0);
-            let look_ups = LookUps::new(&self.model, &[map.clone(), map.clone()], view, &self.settings);
+            let look_ups = LookUps::new(&self.model, [map, map], view, &self.settings);
             let direct = look_ups.seen.direct(&self.model, &self.appearance, lights[0]);
             look_ups.differences(&direct, &flat, &flat)
         }

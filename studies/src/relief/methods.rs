@@ -5,7 +5,9 @@ use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::SurfacePoint;
 use brdfc_formats::container::half;
 use brdfc_formats::direction::Vector;
-use brdfc_formats::flat_btf::{FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MacroSurface, MarchSteps, Relief};
+use brdfc_formats::flat_btf::{
+    FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MacroSurface, MarchSteps, Relief, VdimSamples,
+};
 use brdfc_metrics::image::LinearImage;
 use brdfc_render::flat::{FlatMaterial, Tiles, draw_on_cpu, draw_tiles};
 use brdfc_render::scene::{Frame, Scene};
@@ -87,8 +89,7 @@ impl<'a> Methods<'a> {
         [
             // Without relief there are no heights.
             self.constant("normal map", maps(&self.normal_map) - heights, 1, decoded(&self.normal_map)),
-            // Reference and map; three lights.
-            self.constant("sampled indirections and shadows", maps(self.sampled), 2 + 3, decoded(self.sampled)),
+            self.sampled("sampled indirections and shadows", self.sampled),
             self.marched("height field", &self.height_field),
             self.layers(),
             self.marched(twice, &self.others[0]),
@@ -98,9 +99,34 @@ impl<'a> Methods<'a> {
         ]
     }
 
+    /// Methods that shaders have, and what they draw: these as well, with indirection maps of these names.
+    #[cfg(feature = "render")]
+    pub(super) fn of_shaders(
+        &'a self,
+        maps: &'a [(&'static str, FlatBtfDecoder)],
+    ) -> Vec<(Method<'a>, &'a FlatBtfDecoder)> {
+        let [normal_map, _, height_field, layers, twice, half, ..] = self.all();
+        let of_map = |(name, decoder): &'a (&'static str, FlatBtfDecoder)| (self.sampled(name, decoder), decoder);
+        [(normal_map, &self.normal_map)]
+            .into_iter()
+            .chain(maps.iter().map(of_map))
+            .chain([(height_field, &self.height_field), (layers, self.layers)])
+            .chain([(twice, &self.others[0]), (half, &self.others[1])])
+            .collect()
+    }
+
     /// Layers as users get them.
     pub(super) fn layers(&'a self) -> Method<'a> {
         self.marched("layers", self.layers)
+    }
+
+    /// An indirection map, whose fetches do not depend on the view.
+    fn sampled(&self, name: &'static str, decoder: &'a FlatBtfDecoder) -> Method<'a> {
+        let Relief::Vdim(map, shadows) = &decoder.parts().relief else { unreachable!("an indirection map") };
+        // Reference and map; with compact samples two of ranges, and one of the height; three lights.
+        let of_map = if matches!(map.samples(), VdimSamples::Compact(_)) { 5 } else { 2 };
+        let fetches = of_map + if shadows.is_some() { 3 } else { 0 };
+        self.constant(name, maps(decoder), fetches, decoded(decoder))
     }
 
     fn marched(&self, name: &'static str, decoder: &'a FlatBtfDecoder) -> Method<'a> {
@@ -168,7 +194,12 @@ fn maps(decoder: &FlatBtfDecoder) -> u64 {
         Relief::Layers(map) => (map.height_bytes().len() + map.displacement_bytes().len()) as u64,
         Relief::Vdim(map, shadows) => {
             let shadows = shadows.as_ref().map_or(0, |shadows| shadows.texels().len());
-            (map.reference_bytes().len() + map.packed_bytes().len() + shadows) as u64
+            let compact = match map.samples() {
+                VdimSamples::Halves(_) => 0,
+                // Ranges are halves.
+                VdimSamples::Compact(samples) => 4 * samples.ranges.len() + samples.heights.len(),
+            };
+            (map.reference_bytes().len() + map.packed_bytes().len() + compact + shadows) as u64
         }
     }
 }

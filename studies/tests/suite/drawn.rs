@@ -37,6 +37,12 @@ fn the_studies_that_draw() {
     assert!(frame["surface"].as_u64().unwrap() > 1000 && frame["look_ups"].as_array().unwrap().len() == 4, "{frame}");
     let times = frame["forward"].as_array().unwrap().iter().map(|row| &row["seconds"]);
     assert!(times.chain([&frame["points"], &frame["lobes"]]).all(|time| time.as_f64() > Some(0.0)), "{frame}");
+    let reliefs = frame["reliefs"]["rows"].as_array().unwrap();
+    assert_eq!(reliefs.len(), 10);
+    assert!(
+        reliefs.iter().all(|row| row["seconds"].as_f64() > Some(0.0) && row["bytes"].as_u64() > Some(0)),
+        "{frame}"
+    );
 }
 
 /// Comparison of codecs, with a script instead of Python whose compressor copies its input and whose networks are files of

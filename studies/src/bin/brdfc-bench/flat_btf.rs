@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
             StudyError::Encode(error) => Error::input(format!("{input}: {error}")),
         })?;
         if let Some(folder) = &arguments.out {
-            for (figure, panel) in [("variance", &figures.variance), ("apparent", &figures.apparent)] {
+            for (figure, panel) in figures.named() {
                 write_file(&folder.join(format!("{figure}-{}.png", file_stem(&address))), &rgb_png(panel))?;
             }
         }

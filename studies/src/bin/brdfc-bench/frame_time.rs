@@ -3,6 +3,7 @@
 use super::adaptive::{environment, opened};
 use super::arguments::Arguments;
 use super::on_adapter::{adapter, opened_adapter};
+use super::structures::short_name;
 use brdfc_jobs::encode::{PackRecipe, encode};
 use brdfc_jobs::environment::prefilter_image;
 use brdfc_jobs::lobes::encode_lobes;
@@ -12,9 +13,10 @@ use brdfc_render::scenes::Builtin;
 use brdfc_source::Input;
 use brdfc_studies::StudyResult;
 use brdfc_studies::frame_time::{FrameMaterial, FrameTimes, frame_times};
+use brdfc_studies::relief::{ReliefError, ReliefFrame, ReliefFrames, relief_frames};
 use brdfc_table::recipe::TableRecipe;
 use brdfc_terminal::output::remark;
-use brdfc_terminal::table::plain;
+use brdfc_terminal::table::{bytes, plain};
 use brdfc_terminal::{Common, Error};
 use std::time::Instant;
 
@@ -28,6 +30,12 @@ const MATERIALS: [&str; 4] = [
 /// Pixels of a frame, and of a small one.
 const SIZE: [usize; 2] = [1920, 1080];
 const SMALL: [usize; 2] = [96, 54];
+/// Structure of the reliefs, and texels per side.
+const STRUCTURE: &str = "button";
+const TEXELS: u32 = 128;
+/// Each side of a frame over that of a frame of a relief.
+const SHARE: usize = 3;
+const SMALL_TEXELS: u32 = 16;
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, Error> {
     let started = Instant::now();
@@ -50,11 +58,41 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let light = PrefilteredLight::new(prefilter_image(&scene.environment, None, &())?);
     progress("packs and lobes");
     let size = if arguments.small { SMALL } else { SIZE };
-    Ok(StudyResult::FrameTime(frame_times(&gpu, &scene, &light, &materials, size, progress)?))
+    let times = frame_times(&gpu, &scene, &light, &materials, size, progress)?;
+    let texels = if arguments.small { SMALL_TEXELS } else { TEXELS };
+    let reliefs =
+        relief_frames(&gpu, STRUCTURE, texels, size.map(|side| side / SHARE), progress).map_err(
+            |error| match error {
+                ReliefError::Gpu(error) => Error::from(error),
+                error => Error::input(format!("{STRUCTURE}: {error}")),
+            },
+        )?;
+    Ok(StudyResult::FrameTime { times, reliefs })
 }
 
-pub(super) fn text(study: &FrameTimes) -> String {
-    let milliseconds = |seconds: f64| format!("{:.1} ms", 1e3 * seconds);
+fn milliseconds(seconds: f64) -> String {
+    format!("{:.1} ms", 1e3 * seconds)
+}
+
+fn of_reliefs(study: &ReliefFrames) -> String {
+    let cells = |row: &ReliefFrame| {
+        let (most, mean) = (row.fetches.to_string(), format!("{:.1}", row.mean_fetches));
+        vec![row.relief.to_owned(), bytes(row.bytes), most, mean, milliseconds(row.seconds)]
+    };
+    plain(&["relief", "on a GPU", "fetches", "mean", "time"], study.rows.iter().map(cells))
+        + &format!(
+            "\nsynth:{0}, {1} x {1} texels, on a plane that fills {2} x {3} pixels; the fastest of 25 runs. A frame that shows\n\
+             nothing: {4}. Fetches of the sampler: most of a pixel under one light, and their mean. Point lights: {5}.\n",
+            short_name(&study.model),
+            study.texels,
+            study.size[0],
+            study.size[1],
+            milliseconds(study.empty),
+            study.lights
+        )
+}
+
+pub(super) fn text(study: &FrameTimes, reliefs: &ReliefFrames) -> String {
     let look_ups: Vec<String> = study.look_ups.iter().map(ToString::to_string).collect();
     let mut rows = vec![
         vec![format!("{} point lights, by packs", study.lights), milliseconds(study.points)],
@@ -72,4 +110,6 @@ pub(super) fn text(study: &FrameTimes) -> String {
             study.surface,
             adapter(&study.adapter)
         )
+        + "\n"
+        + &of_reliefs(reliefs)
 }

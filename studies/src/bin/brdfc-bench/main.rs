@@ -113,7 +113,7 @@ fn print_text(result: &StudyResult) -> Result<(), Error> {
         #[cfg(feature = "render")]
         StudyResult::Throughput(study) => print(&on_adapter::throughput_text(study)),
         #[cfg(feature = "render")]
-        StudyResult::FrameTime(study) => print(&frame_time::text(study)),
+        StudyResult::FrameTime { times, reliefs } => print(&frame_time::text(times, reliefs)),
         #[cfg(feature = "render")]
         StudyResult::Codecs(study) => print(&codecs::text(study)),
         #[cfg(feature = "render")]

@@ -5,7 +5,7 @@ use super::remarks::Remarks;
 use super::structures::{file_stem, structures};
 use brdfc_render::rendering::rgb_png;
 use brdfc_studies::StudyResult;
-use brdfc_studies::relief::{MethodRow, ReliefError, ReliefRow, ReliefSettings, RenderingRow, relief_study, steps};
+use brdfc_studies::relief::{MethodRow, ReliefRow, ReliefSettings, RenderingRow, relief_study, steps};
 use brdfc_terminal::output::{make_folder, write_file};
 use brdfc_terminal::table::{bytes, percent, plain};
 use brdfc_terminal::{Common, Error};
@@ -32,10 +32,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<StudyResult, 
     let mut rows = Vec::new();
     for (input, address) in structures {
         let study = relief_study(&address, &settings, with_sheet, &|| remarks.done(1));
-        let (row, sheet) = study.map_err(|error| match error {
-            ReliefError::Address(error) => Error::input(format!("{input}: {error}")),
-            ReliefError::Encode(error) => Error::input(format!("{input}: {error}")),
-        })?;
+        let (row, sheet) = study.map_err(|error| Error::input(format!("{input}: {error}")))?;
         if let (Some(folder), Some(sheet)) = (&arguments.out, sheet) {
             write_file(&folder.join(format!("relief-{}.png", file_stem(&address))), &rgb_png(&sheet))?;
         }

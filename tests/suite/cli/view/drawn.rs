@@ -384,8 +384,8 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
     }
     let folder = Folder::new();
     let small = ["--texels", "64", "--views", "grid:3x8@60", "--lights", "grid:3x8@60"];
-    for (name, form) in [("button", "factors"), ("brdf", "brdf")] {
-        let flat = ["flatten", "synth:button?resolution=48", "-o", name, "--reflectance", form];
+    for (name, form, relief) in [("button", "factors", "layers"), ("brdf", "brdf", "layers"), ("map", "brdf", "vdim")] {
+        let flat = ["flatten", "synth:button?resolution=48", "-o", name, "--reflectance", form, "--relief", relief];
         folder.run(&[&flat[..], &small].concat()).succeeded();
     }
     folder.run(&["pwt", "button", "-o", "view.ktx2"]).succeeded();
@@ -393,18 +393,27 @@ fn flat_btfs_and_renderings_under_light_are_those_of_render() {
     folder.run(&["encode", "synth:lambert?kd=0.5", "--codec", "wavelet", "-o", "wavelet.ktx2"]).succeeded();
     let lobes = ["encode", "synth:lambert?kd=0.5", "--codec", "lobes", "--max-fetches", "1", "-o", "lobes.ktx2"];
     folder.run(&lobes).succeeded();
-    let all = ["button", "view.ktx2", "table.ktx2", "wavelet.ktx2", "brdf", "lobes.ktx2"];
+    let all = ["button", "view.ktx2", "table.ktx2", "wavelet.ktx2", "brdf", "lobes.ktx2", "map"];
     let report = folder.run(&[&["view"], &all[..], &["-o", "view.html", "--json"]].concat()).succeeded().json();
     let alone = report["bytes_alone"].as_u64().unwrap();
     println!("view: {} KiB are the page's own, with packs of all five kinds", alone >> 10);
     // Views of trees take 12 KiB of them.
     assert!(alone < 320 << 10);
-    let cases = [("button", "plane"), ("button", "teapot"), ("view.ktx2", ""), ("brdf", "plane")];
+    let cases = [
+        ("button", "plane"),
+        ("button", "teapot"),
+        ("view.ktx2", ""),
+        ("brdf", "plane"),
+        ("map", "plane"),
+        ("map", "teapot"),
+    ];
     let changes = [
         json!({ "scene": "plane", "left": 0, "right": -1 }),
         json!({ "scene": "teapot" }),
         json!({ "left": 1 }),
         json!({ "scene": "plane", "left": 4 }),
+        json!({ "left": 6 }),
+        json!({ "scene": "teapot" }),
     ];
     let mut renders = Renders::of(&folder);
     for (api, name) in APIS {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::factored::FactoredTarget;
 use crate::fill::FillMethod;
+use crate::probes::{Place, Probes, direct_radiance, unshadowed_radiance};
 use crate::testing::{Patience, bumps};
 use brdfc_core::address::parse_synth;
 use brdfc_formats::direction_set::DirectionSet;
@@ -22,13 +23,17 @@ fn recipe() -> FlattenRecipe {
     }
 }
 
+fn appearance() -> Appearance {
+    let source = parse_synth("synth:lewis?kd=0.5&ks=0.1&n=8").unwrap();
+    Appearance { sources: vec![source], ..Default::default() }
+}
+
 fn made<E: Send>(
     recipe: &FlattenRecipe,
     scratch: &dyn Scratch<Error = E>,
     progress: &dyn Progress,
 ) -> Result<FlatBtfEncoded, EncodeError<E>> {
-    let source = parse_synth("synth:lewis?kd=0.5&ks=0.1&n=8").unwrap();
-    let appearance = Appearance { sources: vec![source], ..Default::default() };
+    let appearance = appearance();
     let values = ValueSource::Computed(&appearance);
     encode(FlatInput { mesh: bumps(16, 0.5), repairs: None, values }, recipe, scratch, progress)
 }
@@ -96,6 +101,46 @@ fn phong_lobes_have_tables_over_mirror_angles() {
     let reflectance = &made.decoder.parts().reflectance;
     assert_eq!(reflectance.header().axes, 1);
     assert!(made.report.factored.errors.seen_mean < 0.1, "{:?}", made.report.factored.errors);
+}
+
+/// Mean radiance of each level, and of the surface without shadows and with them, under low light.
+fn brightness(shadows: bool) -> (Vec<f64>, [f64; 2]) {
+    let vdim =
+        VdimRecipe { polar_angles: 8, azimuth_rows: 13, largest_angle: 75.0, oversampling: 1, shadows, compact: false };
+    let recipe = FlattenRecipe {
+        relief: ReliefForm::Vdim(vdim),
+        texels: 16,
+        lights: DirectionSet::grid(5, 12, 80.0).unwrap(),
+        reflectance: Reflectance::Brdf,
+        ..recipe()
+    };
+    let (made, _) = whole(&recipe);
+    let appearance = appearance();
+    let directions = SampledDirections::of(made.decoder.parts()).unwrap();
+    let probes = Probes::between(4000, &recipe.views.directions(), &recipe.lights.directions());
+    let mean = |value: &dyn Fn(&Place) -> [f32; 3]| {
+        probes.places().iter().map(|place| f64::from(value(place)[1])).sum::<f64>() / 4000.0
+    };
+    let single = |v: Vector| v.map(|c| c as f32);
+    let of_level = |level: u32| {
+        mean(&|Place { at, view, light }| {
+            let at = at.map(|c| c as f32);
+            made.decoder.shaded(directions.as_ref(), at, level as f32, single(*view), single(*light))
+        })
+    };
+    let of_surface = [unshadowed_radiance, direct_radiance]
+        .map(|radiance| mean(&|place| radiance(&made.model, &appearance, place.at, place.view, place.light)));
+    ((0..5).map(of_level).collect(), of_surface)
+}
+
+/// The control is the same relief with sampled shadows.
+#[test]
+fn without_shadows_no_level_has_any() {
+    let ((none, [bright, dark]), (sampled, _)) = (brightness(false), brightness(true));
+    println!("surface {bright} and {dark}, none {none:?}, sampled {sampled:?}");
+    assert!(dark < 0.93 * bright, "there are shadows: {dark} {bright}");
+    assert!(none.iter().all(|level| (level / bright - 1.0).abs() < 0.04), "{none:?} {bright}");
+    assert!(sampled.iter().zip(&none).all(|(with, without)| with < &(0.93 * without)), "{sampled:?} {none:?}");
 }
 
 #[test]
