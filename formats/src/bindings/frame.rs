@@ -2,6 +2,8 @@
 
 use crate::cursor::block_bytes;
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
+use crate::flat_btf::shader::{SIGHT_WGSL, VDIM_WGSL};
+use crate::pwt::shader::TREE_WGSL;
 use crate::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 
 /// Slot of the block.
@@ -10,17 +12,20 @@ pub const FRAME_SLOT: u32 = 0;
 /// Declaration of the block, at the start of every decoder.
 pub const FRAME_WGSL: &str = include_str!("frame.wgsl");
 
-/// Concatenates several decoders into one source, with shared declarations only once: the frame block, and the mesh of directions of
-/// flat BTFs and trees, which one bind group holds for one of them.
+/// Parts of several decoders: the mesh of directions of flat BTFs and trees, their look-ups, and the relief of flat BTFs.
+const SHARED_PARTS: [&str; 5] =
+    [DIRECTION_MESH_WGSL, TREE_WGSL, include_str!("../flat_btf/decoder.wgsl"), VDIM_WGSL, SIGHT_WGSL];
+
+/// Concatenates several decoders into one source, with shared declarations only once: the frame block, and parts of flat BTFs and
+/// trees, which one bind group holds for one of them.
 pub fn combined_wgsl<'a>(decoders: impl IntoIterator<Item = &'a str>) -> String {
     let mut source = FRAME_WGSL.to_owned();
     for decoder in decoders {
-        let own = decoder.strip_prefix(FRAME_WGSL).unwrap_or(decoder);
-        if source.contains(DIRECTION_MESH_WGSL) {
-            source += &own.replace(DIRECTION_MESH_WGSL, "");
-        } else {
-            source += own;
+        let mut own = decoder.strip_prefix(FRAME_WGSL).unwrap_or(decoder).to_owned();
+        for part in SHARED_PARTS.into_iter().filter(|part| source.contains(part)) {
+            own = own.replace(part, "");
         }
+        source += &own;
         source.push('\n');
     }
     source
