@@ -7,6 +7,7 @@ use super::shadows::ShadowMap;
 use super::vdim::Vdim;
 use super::vdim_header::VDIM;
 use crate::FormatError;
+use crate::PackKind;
 use crate::flat_btf_trees::FlatTrees;
 
 /// Relief of a flat BTF: what leads from a point of the reference plane to the parameters of the visible point, and to its
@@ -94,6 +95,23 @@ impl StoredReflectance {
         match self {
             Self::Factors(factors) => factors.header().levels,
             Self::Trees(trees) => trees.levels(),
+        }
+    }
+
+    /// Kind of a pack with this form.
+    pub fn kind(&self) -> PackKind {
+        match self {
+            Self::Factors(_) => PackKind::FlatBtf,
+            Self::Trees(_) => PackKind::FlatBtfTrees,
+        }
+    }
+
+    /// Form in words: `brdf` without components, `factors` or `pwt`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Factors(factors) if factors.header().groups == 0 => "brdf",
+            Self::Factors(_) => "factors",
+            Self::Trees(_) => "pwt",
         }
     }
 

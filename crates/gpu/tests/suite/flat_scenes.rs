@@ -58,8 +58,8 @@ fn same(a: &LinearImage, b: &LinearImage, what: &str, most: (f64, f64)) {
 #[test]
 fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
-    assert!(layers_of(&STUD).header().sheets == 3 && COMPONENTS.reflectance.residual().is_none());
-    assert!(BOUNCED.reflectance.residual().is_some());
+    assert!(layers_of(&STUD).header().sheets == 3 && COMPONENTS.reflectance.factors().unwrap().residual().is_none());
+    assert!(BOUNCED.reflectance.factors().unwrap().residual().is_some());
     for (name, parts) in [("material", &*STUD), ("components", &COMPONENTS), ("bounces", &BOUNCED)] {
         let material = material(parts);
         // The ball has stretched tiles; the table has bump maps, which apply only to BRDFs; the terrain shows texels far away.
@@ -139,7 +139,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let drawn = |source: String, scene: &Scene| draw_flat_btf_by(gpu, source, scene, FRAME, &whole).unwrap();
     let from_below = draw_on_cpu(&below, FRAME, &whole);
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
-    same(&drawn(flat_scene_source(), &below), &from_below, "from below", (0.02, 0.2));
+    same(&drawn(flat_scene_source(PackKind::FlatBtf), &below), &from_below, "from below", (0.02, 0.2));
     let vase = Builtin::Vase.scene();
     let on_vase = draw_on_cpu(&vase, FRAME, &whole);
     let ball = Builtin::Sphere.scene();
@@ -155,14 +155,14 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
         (&vase, &on_vase, "sign * in.raised_by", "0.0 * in.raised_by"),
         (&vase, &on_vase, "return sqrt(abs(area)", "return 0.5 * sqrt(abs(area)"),
         (&vase, &on_vase, "along_v.y) * side", "along_v.y) * -side"),
-        (&vase, &on_vase, "return look.point.rise * vec3", "return 0.0 * vec3"),
+        (&vase, &on_vase, "return sight.point.rise * vec3", "return 0.0 * vec3"),
         (&vase, &on_vase, "return surface.border.x", "return 0.0 * surface.border.x"),
         (&ball, &on_ball, "tiles_right * b.y - tiles_below * a.y", "tiles_right * b.y"),
         (&ball, &on_ball, "let along_b = (", "let along_b = -("),
     ];
     for (scene, expected, from, to) in edits {
-        assert_eq!(flat_scene_source().matches(from).count(), 1, "{from}");
-        let (share, mean) = difference(&drawn(flat_scene_source().replace(from, to), scene), expected);
+        assert_eq!(flat_scene_source(PackKind::FlatBtf).matches(from).count(), 1, "{from}");
+        let (share, mean) = difference(&drawn(flat_scene_source(PackKind::FlatBtf).replace(from, to), scene), expected);
         println!("{from} -> {to}: {share} of the pixels, mean ΔE {mean}");
         assert!(share > 0.03 && mean > 0.3, "{from} -> {to}: {share} of the pixels, mean ΔE {mean}");
     }
