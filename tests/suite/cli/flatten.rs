@@ -1,6 +1,7 @@
 //! `brdfc flatten`, from every kind of input.
 
 mod reflectance;
+mod trees;
 mod vdim;
 
 use super::schemas::conforms;
