@@ -3,6 +3,7 @@
 use crate::common::flat::{appearance, flattened, with_heights, without_mipmaps};
 use brdfc_core::address::parse_synth;
 use brdfc_flat_btf::encode::Reflectance;
+use brdfc_formats::PackKind;
 use brdfc_formats::direction::add_scaled;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{FactoredFlatBtf, WeightMap, WeightRange};
@@ -15,6 +16,7 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{SourceReflectance, shade};
 use brdfc_render::trace::trace;
 use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, Sizes, factored, layers, layers_of};
+use brdfc_testing::codecs::flat_btf_trees::trees;
 use std::sync::LazyLock;
 
 const FRAME: Frame = Frame { width: 96, height: 72, samples: 2 };
@@ -71,6 +73,22 @@ fn shader_and_cpu_draw_the_same_renderings() {
             // The terrain is seen almost from the side, where rays are longest: 1.1 to 2.0 % of its pixels differ.
             let most = if builtin == Builtin::Terrain { (0.022, 0.25) } else { (0.02, 0.05) };
             same(&shader, &cpu, &format!("{name}, {}", builtin.name()), most);
+        }
+    }
+}
+
+/// Trees with their own shadows, and with rays of light.
+#[test]
+fn shader_and_cpu_draw_the_same_trees() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    for is_learned in [false, true] {
+        let material = material(&FlatBtfParts::new(layers_of(&STUD).clone(), trees(is_learned)));
+        for builtin in [Builtin::Plane, Builtin::Vase] {
+            let scene = builtin.scene();
+            let shader = draw_flat_btf(gpu, &scene, FRAME, &material).unwrap();
+            let cpu = draw_on_cpu(&scene, FRAME, &material);
+            assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
+            same(&shader, &cpu, &format!("trees, learned {is_learned}, {}", builtin.name()), (0.02, 0.2));
         }
     }
 }
@@ -251,7 +269,7 @@ fn a_flat_structure_looks_like_its_brdf() {
         let made = flattened(address, &appearance(address, Some(brdf)), 4, &directions, (Reflectance::Brdf, 0));
         let FlatBtfParts { relief, reflectance } = made.decoder.into_parts();
         // The structure's tints vary over the tile; this test needs one material everywhere.
-        let parts = FlatBtfParts { relief, reflectance: untinted(&reflectance) };
+        let parts = FlatBtfParts::new(relief, untinted(reflectance.factors().unwrap()));
         let material = material(&parts);
         let source = parse_synth(brdf).unwrap();
         for builtin in [Builtin::Plane, Builtin::Vase] {

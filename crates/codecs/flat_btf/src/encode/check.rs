@@ -10,6 +10,7 @@ use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatHeader, VdimHeader};
+use brdfc_formats::pwt::MAX_VIEWS;
 use std::f32::consts::TAU;
 
 /// Maximum memory of a recipe, in bytes.
@@ -56,6 +57,9 @@ impl FlattenRecipe {
         let header = self.header(0);
         header.check()?;
         self.check_relief()?;
+        if self.reflectance == Reflectance::Pwt {
+            FormatError::check_range("views of trees", self.views.len(), 1..=MAX_VIEWS as usize)?;
+        }
         let least = least_bytes(self.flat_texels as u32);
         let may_be_brdf = self.reflectance == Reflectance::Auto && self.bounces == 0;
         let fits = |target| !matches!(target, FactoredTarget::Bytes(most) if most < least);
