@@ -1,9 +1,8 @@
 //! Uniform block with per-frame values, shared by all decoders.
 
+use crate::arc_tangent::arc_tangent_wgsl;
 use crate::cursor::block_bytes;
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
-use crate::flat_btf::shader::{SIGHT_WGSL, VDIM_WGSL};
-use crate::pwt::shader::TREE_WGSL;
 use crate::wavelet::{DEFAULT_DISTANCE_SCALE, Filter};
 
 /// Slot of the block.
@@ -13,8 +12,14 @@ pub const FRAME_SLOT: u32 = 0;
 pub const FRAME_WGSL: &str = include_str!("frame.wgsl");
 
 /// Parts of several decoders: the mesh of directions of flat BTFs and trees, their look-ups, and the relief of flat BTFs.
-const SHARED_PARTS: [&str; 5] =
-    [DIRECTION_MESH_WGSL, TREE_WGSL, include_str!("../flat_btf/decoder.wgsl"), VDIM_WGSL, SIGHT_WGSL];
+const SHARED_PARTS: [&str; 6] = [
+    DIRECTION_MESH_WGSL,
+    include_str!("../pwt/pwt.wgsl"),
+    include_str!("../flat_btf/decoder.wgsl"),
+    include_str!("../flat_btf/vdim.wgsl"),
+    arc_tangent_wgsl!("flat_btf", "FLAT_BTF"),
+    include_str!("../flat_btf/sight.wgsl"),
+];
 
 /// Concatenates several decoders into one source, with shared declarations only once: the frame block, and parts of flat BTFs and
 /// trees, which one bind group holds for one of them.

@@ -4,7 +4,6 @@ use super::error::EncodeError;
 use super::probing::{from_images, from_surface};
 use super::recipe::{FlattenRecipe, Reflectance};
 use super::report::{AssetErrors, AssetReport};
-use super::work::SeenTexels;
 use crate::factored::FactoredFacts;
 use crate::far::FarLevel;
 use crate::layers::LayerReport;
@@ -52,6 +51,15 @@ pub(super) struct Prepared {
     pub(super) surface: TexelSurface,
     layers: Option<LayerReport>,
     repairs: Option<WeldReport>,
+}
+
+/// Texels that views see.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SeenTexels {
+    /// Mean share of texels that a view sees.
+    pub(super) share: f64,
+    /// Texels that no view sees.
+    pub(super) never: usize,
 }
 
 /// Facts about a reflectance for the report.

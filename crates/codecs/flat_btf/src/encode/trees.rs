@@ -35,16 +35,13 @@ impl<E> SampledViews<'_, E> {
 ///
 /// # Errors
 /// Returns the errors of `encode`, and those of `fit`.
-pub fn encode_trees<E: Send>(
+pub fn encode_trees<E: Send + Sync>(
     input: FlatInput<'_, E>,
     recipe: &FlattenRecipe,
     scratch: &dyn Scratch<Error = E>,
     fit: impl FnOnce(&SampledViews<'_, E>) -> Result<FlatTrees, EncodeError<E>>,
     progress: &dyn Progress,
-) -> Result<FlatBtfEncoded, EncodeError<E>>
-where
-    E: Sync,
-{
+) -> Result<FlatBtfEncoded, EncodeError<E>> {
     recipe.check()?;
     let FlatInput { mesh, repairs, values } = input;
     let known_materials = matches!(values, ValueSource::Computed(_)) && recipe.bounces == 0;

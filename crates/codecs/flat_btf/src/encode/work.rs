@@ -2,7 +2,7 @@
 
 use super::error::EncodeError;
 use super::pass::Pass;
-use super::prepared::{Prepared, ValueSource};
+use super::prepared::{Prepared, SeenTexels, ValueSource};
 use super::recipe::{FlattenRecipe, Reflectance};
 use super::scratch::{Scratch, ScratchViews};
 use crate::factored::{Factored, FactoredRecipe, FactoredTarget, factor, known};
@@ -16,15 +16,6 @@ use brdfc_formats::flat_btf::VisibilityMask;
 
 /// Blur of texels that are looked up in images of about as many pixels: [`FactoredRecipe::blur`].
 const IMAGE_BLUR: f32 = 0.1;
-
-/// Texels that views see.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SeenTexels {
-    /// Mean share of texels that a view sees.
-    pub(super) share: f64,
-    /// Texels that no view sees.
-    pub(super) never: usize,
-}
 
 /// All views, in scratch storage.
 pub(super) struct StoredViews {
