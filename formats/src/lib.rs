@@ -22,6 +22,7 @@ pub mod environment;
 mod error;
 mod error_summary;
 pub mod flat_btf;
+pub mod flat_btf_trees;
 pub mod importance;
 #[macro_use]
 mod kind;
@@ -61,6 +62,8 @@ codecs! {
     others: {
         /// A flat BTF.
         FlatBtf(Box<FlatBtfFile>): FlatBtfFile, flat_btf;
+        /// A flat BTF whose reflectance is polynomial wavelet trees.
+        FlatBtfTrees(Box<FlatBtfFile>): FlatBtfFile, flat_btf_trees;
         /// A polynomial wavelet tree.
         Pwt(PwtPack): PwtPack, pwt;
         /// A bandwidth map.

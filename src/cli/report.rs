@@ -189,7 +189,8 @@ fn build_folder(path: &Path) -> &Path {
 /// Rejects a pack that is no flat BTF.
 fn refuse_other_pack(path: &Path) -> Result<(), Error> {
     let pack = if path.is_file() { open_pack(Input::from(path)).ok() } else { None };
-    let Some(found) = pack.filter(|pack| !matches!(pack, AnyPack::FlatBtf(_))) else { return Ok(()) };
+    let is_flat = |pack: &AnyPack| matches!(pack, AnyPack::FlatBtf(_) | AnyPack::FlatBtfTrees(_));
+    let Some(found) = pack.filter(|pack| !is_flat(pack)) else { return Ok(()) };
     let allowed = "the folder of a build, or a flat BTF; 'brdfc info' describes a single pack";
     Err(Error::wrong_input(path.display(), found.kind().summary(), allowed))
 }

@@ -149,8 +149,7 @@ fn decoder(kind: &OsString) -> Result<PackKind, Error> {
         return Err(Error::wrong_usage("KIND", quoted(&path.to_string_lossy()), kinds()));
     }
     if path.is_dir() {
-        open_flat_btf(path)?;
-        return Ok(PackKind::FlatBtf);
+        return Ok(open_flat_btf(path)?.decoder.parts().reflectance.kind());
     }
     open_pack(Input::File(path.to_owned())).map(|pack| pack.kind()).map_err(|error| {
         let error = Error::from(error);

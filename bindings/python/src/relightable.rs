@@ -68,11 +68,11 @@ impl Relightable {
         colours(py, values, &shape)
     }
 
-    /// Kind of the pack: pwt or flat-btf.
+    /// Kind of the pack: pwt, flat-btf or flat-btf-trees.
     #[getter]
     fn kind(&self) -> &'static str {
-        match self.inner {
-            brdfc_jobs::pwt::Relightable::Flat(_) => "flat-btf",
+        match &self.inner {
+            brdfc_jobs::pwt::Relightable::Flat(material) => material.decoder().parts().reflectance.kind().name(),
             brdfc_jobs::pwt::Relightable::Pack(_) => "pwt",
         }
     }

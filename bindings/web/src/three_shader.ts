@@ -20,6 +20,14 @@ vec3 reflected(vec3 wi, vec3 wo, float level) {
     return flat_btf_value(vec2(surfaceUv.x, gl_FrontFacing ? surfaceUv.y : -surfaceUv.y), level, wo, wi) * 0.318309886;
 }
 `,
+    'flat-btf-trees': `
+float levelAt(float distance) {
+    return flat_trees_mipmap_level(dFdx(surfaceUv), dFdy(surfaceUv));
+}
+vec3 reflected(vec3 wi, vec3 wo, float level) {
+    return flat_trees_value(vec2(surfaceUv.x, gl_FrontFacing ? surfaceUv.y : -surfaceUv.y), level, wo, wi) * 0.318309886;
+}
+`,
     // Rows of a rendering go down, v goes up.
     pwt: `
 float levelAt(float distance) {
@@ -208,7 +216,7 @@ const COUNTS: Record<string, string> = { table: 'layers', lobes: 'azimuths' };
 /** Returns true if the pack is anisotropic, or a flat BTF. */
 export function needsTangents({ decoder, shader, resources }: Pack): boolean {
     const { bindings = [] } = (shader ?? {}) as Partial<DecoderShader>;
-    return decoder === 'flat-btf' || resources.some((resource) => {
+    return ['flat-btf', 'flat-btf-trees'].includes(decoder) || resources.some((resource) => {
         const count = bindings.find(({ slot }) => slot === resource.slot)?.offsets?.[COUNTS[decoder]];
         return resource.kind === 'uniform' && count !== undefined && new DataView(resource.bytes.buffer).getUint32(count, true) > 1;
     });

@@ -4,16 +4,17 @@ use super::device::{Gpu, GpuError};
 use super::flat_textures;
 use super::load::LoadedScene;
 use super::raster::{Rasteriser, load_with_one_material, view_wgsl};
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::FrameBlock;
-use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_metrics::image::LinearImage;
-use brdfc_render::flat::{COVER_WGSL, FlatMaterial};
+use brdfc_render::flat::{FlatMaterial, cover_wgsl};
 use brdfc_render::scene::{Camera, Frame, Scene};
 use wgpu::ShaderStages;
 
-/// The complete shader: decoders, scene.
-pub fn flat_scene_source() -> String {
-    [&flat_btf_value_wgsl(), &view_wgsl(), COVER_WGSL, include_str!("flat_scene.wgsl")].join("\n")
+/// The complete shader for a kind of flat BTF: decoder, scene.
+pub fn flat_scene_source(kind: PackKind) -> String {
+    let decoder = (kind.descriptor().wgsl)();
+    [&decoder, &view_wgsl(), &cover_wgsl(kind), include_str!("flat_scene.wgsl")].join("\n")
 }
 
 /// Draws a scene whose parts all use one flat BTF, by the shader with exact filters.
@@ -22,7 +23,8 @@ pub fn flat_scene_source() -> String {
 /// Returns [`GpuError::TooLarge`] if the adapter cannot hold the material or the image; any error that the driver
 /// reports.
 pub fn draw_flat_btf(gpu: &Gpu, scene: &Scene, frame: Frame, material: &FlatMaterial) -> Result<LinearImage, GpuError> {
-    draw_flat_btf_by(gpu, flat_scene_source(), scene, frame, material)
+    let kind = material.decoder().parts().reflectance.kind();
+    draw_flat_btf_by(gpu, flat_scene_source(kind), scene, frame, material)
 }
 
 /// Draws like [`draw_flat_btf`] with another shader than [`flat_scene_source`], such as a deliberately broken one.
@@ -58,7 +60,8 @@ impl<'g> LoadedFlatBtf<'g> {
         samples: usize,
         (material, sampling): (&FlatMaterial, FrameBlock),
     ) -> Result<Self, GpuError> {
-        let slots = flat_textures::slots(gpu, ShaderStages::FRAGMENT);
+        let kind = material.decoder().parts().reflectance.kind();
+        let slots = flat_textures::slots(gpu, kind, ShaderStages::FRAGMENT);
         let textures = flat_textures::upload(gpu, &slots, material.decoder(), sampling, material.directions())?;
         let finer = (samples as f32).log2();
         let words = [material.repeat(), finer.to_bits(), 0, 0];

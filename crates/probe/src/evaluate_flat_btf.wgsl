@@ -24,7 +24,7 @@ fn compute(at: u32) {
     let view = queries[at].view.xyz;
     let surface = FlatBtfSurface(queries[at].surface.xyz, queries[at].surface.w, queries[at].stretch);
     let look = flat_btf_look(uv, level, view, surface);
-    let point = look.point;
+    let point = look.sight.point;
     let value = flat_btf_shade(look, queries[at].light.xyz);
     answers[at] = FlatBtfAnswer(
         vec4<f32>(point.at, point.height, f32(point.sheet)), vec4<f32>(look.place.uv, point.rise, 0.0), vec4<f32>(value, 0.0));

@@ -1,6 +1,7 @@
 //! Flat BTFs evaluated by the shader, for comparison with the CPU decoder.
 
 use super::items::ItemPipeline;
+use brdfc_formats::PackKind;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::shader::flat_btf_value_wgsl;
 use brdfc_formats::flat_btf::{FlatBtfDecoder, MacroSurface, SampledDirections};
@@ -71,7 +72,7 @@ impl<'g> FlatBtfEvaluator<'g> {
     /// # Errors
     /// Returns an error with the compiler's message if the source does not validate.
     pub fn with_shader(gpu: &'g Gpu, decoder: &str) -> Result<Self, GpuError> {
-        let slots = flat_textures::slots(gpu, ShaderStages::COMPUTE);
+        let slots = flat_textures::slots(gpu, PackKind::FlatBtf, ShaderStages::COMPUTE);
         let source = format!("{decoder}\n{EVALUATE_FLAT_BTF_WGSL}");
         let pipeline = ItemPipeline::new(gpu, "flat BTF", source, &slots.layout)?;
         Ok(Self { pipeline, slots })

@@ -52,7 +52,12 @@ fn is_flat_btf(file: &Path) -> bool {
     }
     let mut head = Vec::with_capacity(PackFile::HEAD_BYTES);
     let read = std::fs::File::open(file).and_then(|file| file.take(PackFile::HEAD_BYTES as u64).read_to_end(&mut head));
-    read.is_ok() && PackFile::decoder_in(&head) == Some(PackKind::FlatBtf.name())
+    read.is_ok() && PackFile::decoder_in(&head).and_then(PackKind::from_name).is_some_and(is_kind_of_flat_btf)
+}
+
+/// Returns true for both kinds of flat BTFs.
+fn is_kind_of_flat_btf(kind: PackKind) -> bool {
+    matches!(kind, PackKind::FlatBtf | PackKind::FlatBtfTrees)
 }
 
 /// Reads the flat BTF at a path.
@@ -79,11 +84,12 @@ pub fn open_flat_btf(path: &Path) -> Result<FlatBtfFile, InputError> {
 /// # Errors
 /// Returns an error without components, which flat BTFs of known materials do not need.
 pub fn flat_view(file: &FlatBtfFile, view: u32) -> Result<(Option<FlatView>, u32), FormatError> {
-    let factored = &file.decoder.parts().reflectance;
-    let count = factored.header().views.len() as u32;
-    if count == 0 {
+    let reflectance = &file.decoder.parts().reflectance;
+    let Some(factors) = reflectance.factors().filter(|factors| factors.header().groups > 0) else {
+        let found = if reflectance.trees().is_some() { "trees" } else { "no sampled views" };
         let allowed = "a flat BTF made with --reflectance factors";
-        return Err(FormatError::whole("flat BTF", "no sampled views", allowed).problem());
-    }
-    Ok(((view < count).then(|| factored.view(view)), count))
+        return Err(FormatError::whole("flat BTF", found, allowed).problem());
+    };
+    let count = factors.header().views.len() as u32;
+    Ok(((view < count).then(|| factors.view(view)), count))
 }

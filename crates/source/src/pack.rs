@@ -44,7 +44,7 @@ pub fn open_brdf_pack(input: impl Into<Input>) -> Result<BrdfPack, InputError> {
 fn brdf_pack(pack: Pack) -> Result<BrdfPack, FormatError> {
     BrdfPack::try_from(pack).map_err(|kind| {
         let allowed = match kind {
-            PackKind::FlatBtf => "a pack of a BRDF; a flat BTF has no single BRDF",
+            PackKind::FlatBtf | PackKind::FlatBtfTrees => "a pack of a BRDF; a flat BTF has no single BRDF",
             _ => "a pack of a BRDF",
         };
         FormatError::whole("pack", kind.summary(), allowed)

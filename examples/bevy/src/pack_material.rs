@@ -44,7 +44,7 @@ static DECODERS: LazyLock<Vec<PackDecoder>> =
 
 impl PackDecoder {
     fn of(kind: PackKind) -> Option<Self> {
-        let needs_uv = kind == PackKind::FlatBtf;
+        let needs_uv = matches!(kind, PackKind::FlatBtf | PackKind::FlatBtfTrees);
         let calls = match kind.descriptor().brdf {
             Some(BrdfShader { level_of_detail, filtered, .. }) => format!(
                 "
@@ -59,23 +59,29 @@ fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {{
 }}
 "
             ),
-            // For tiles, v follows the bitangent, opposite to the v of textures.
-            None if needs_uv => "
-fn pack_level(uv: vec2<f32>) -> f32 {
-    return factored_mipmap_level(dpdx(uv * pack_settings.repeat), dpdy(uv * pack_settings.repeat));
-}
-fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {
-    let tiles = vec2<f32>(surface.uv.x, -surface.uv.y) * pack_settings.repeat;
-    return flat_btf_value(tiles, surface.level, surface.wo, wi) / 3.14159274;
-}
-"
-            .to_owned(),
+            None if kind == PackKind::FlatBtf => of_tiles("factored_mipmap_level", "flat_btf_value"),
+            None if kind == PackKind::FlatBtfTrees => of_tiles("flat_trees_mipmap_level", "flat_trees_value"),
             None if [PackKind::Lobes, PackKind::Environment].contains(&kind) => UNLIT_WGSL.to_owned(),
             None => return None,
         };
         let uuid = Uuid::from_u128(0x0a6f2f6e_6f0e_4b43_9a5c_6f3c2f5d1a01 + kind as u128);
         Some(Self { kind, shader: Handle::Uuid(uuid, PhantomData), calls, needs_uv })
     }
+}
+
+/// Calls of a flat BTF. For tiles, v follows the bitangent, opposite to the v of textures.
+fn of_tiles(level: &str, value: &str) -> String {
+    format!(
+        "
+fn pack_level(uv: vec2<f32>) -> f32 {{
+    return {level}(dpdx(uv * pack_settings.repeat), dpdy(uv * pack_settings.repeat));
+}}
+fn pack_reflected(surface: PackSurface, wi: vec3<f32>) -> vec3<f32> {{
+    let tiles = vec2<f32>(surface.uv.x, -surface.uv.y) * pack_settings.repeat;
+    return {value}(tiles, surface.level, surface.wo, wi) / 3.14159274;
+}}
+"
+    )
 }
 
 /// Returns true if a pack is anisotropic: all are, except environments, tables of one layer and lobes of one azimuth.

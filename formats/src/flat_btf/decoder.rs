@@ -4,9 +4,10 @@ use super::directions::SampledDirections;
 use super::factored::{FactoredTexel, Place};
 use super::layers::Sheet;
 use super::march::{MacroSurface, MarchSteps, ReliefPoint, slope};
-use super::relief::{FlatBtfParts, Relief};
+use super::relief::{FlatBtfParts, Relief, StoredReflectance};
 use super::vdim::VdimSamples;
 use super::view_weights::{BlendedDirection, ViewWeights};
+use crate::flat_btf_trees::FlatTrees;
 use crate::tap::wrap;
 
 /// A flat BTF, ready for random access.
@@ -46,7 +47,7 @@ impl FlatBtfDecoder {
 
     /// Octaves by which texels of the relief are smaller than texels of the flat BTF.
     pub fn finer(&self) -> f32 {
-        let (plane, flat) = (self.parts.relief.size(), self.parts.reflectance.header().size);
+        let (plane, flat) = (self.parts.relief.size(), self.parts.reflectance.size());
         (f64::from(plane) / f64::from(flat)).log2() as f32
     }
 
@@ -87,8 +88,14 @@ impl FlatBtfDecoder {
         let (point, parameters) = self.seen_on(uv, view, level_of_detail, surface);
         let moved = surface.distance_over_tiles([point.at[0] - uv[0], point.at[1] - uv[1]]);
         let tilt = surface.tilt(moved);
-        let mut texel = reflectance.filtered(parameters, level_of_detail);
-        texel.set_normal(surface.stretched(texel.base().normal));
+        let texel = match reflectance {
+            StoredReflectance::Factors(factors) => {
+                let mut texel = factors.filtered(parameters, level_of_detail);
+                texel.set_normal(surface.stretched(texel.base().normal));
+                LookedUp::Factors(texel)
+            }
+            StoredReflectance::Trees(trees) => LookedUp::Trees(trees, level_of_detail),
+        };
         let shadows = relief.shadows().map(|map| Place::new(parameters, level_of_detail, map.size(), map.levels()));
         let (slope, view) = (slope(view), tilted(view, tilt));
         FlatBtfLook {
@@ -135,6 +142,15 @@ impl FlatBtfDecoder {
     }
 }
 
+/// Reflectance at a point.
+#[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant)]
+enum LookedUp<'a> {
+    Factors(FactoredTexel<'a>),
+    /// Trees, which are looked up for each light at this level of detail.
+    Trees(&'a FlatTrees, f32),
+}
+
 /// A point of the relief as one view sees it.
 #[derive(Debug, Clone)]
 pub struct FlatBtfLook<'a> {
@@ -153,7 +169,7 @@ pub struct FlatBtfLook<'a> {
     tilt: [f32; 2],
     /// The view in the frame below `point`.
     view: [f32; 3],
-    texel: FactoredTexel<'a>,
+    texel: LookedUp<'a>,
     /// In sampled shadows, if there are any.
     shadows: Option<Place>,
 }
@@ -170,9 +186,12 @@ impl FlatBtfLook<'_> {
         self.moved
     }
 
-    /// Unit normal of the relief, in the frame of the surface below the visible point.
+    /// Unit normal of the relief, in the frame of the surface below the visible point. Trees store none: that of the surface.
     pub fn normal(&self) -> [f32; 3] {
-        self.texel.base().normal
+        match &self.texel {
+            LookedUp::Factors(texel) => texel.base().normal,
+            LookedUp::Trees(..) => [0.0, 0.0, 1.0],
+        }
     }
 
     /// Parameters of the visible point, in [0, 1).
@@ -180,9 +199,12 @@ impl FlatBtfLook<'_> {
         self.parameters
     }
 
-    /// Reflectance at the visible point.
-    pub fn texel(&self) -> &FactoredTexel<'_> {
-        &self.texel
+    /// Base and components at the visible point; `None` for trees.
+    pub fn texel(&self) -> Option<&FactoredTexel<'_>> {
+        match &self.texel {
+            LookedUp::Factors(texel) => Some(texel),
+            LookedUp::Trees(..) => None,
+        }
     }
 
     /// The visible point.
@@ -211,9 +233,13 @@ impl FlatBtfLook<'_> {
         let [views, lights] = SampledDirections::blended(directions, aligned[0], aligned[1]);
         let views = BlendedDirection { direction: self.view, ..views };
         let lights = BlendedDirection { direction: light, ..lights };
-        // Without components, the base is exact for any light.
-        let components = directions.filter(|_| self.decoder.parts.reflectance.header().groups > 0);
-        let dimmed = components.map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0));
+        let dimmed = match &self.decoder.parts.reflectance {
+            // Without components, the base is exact for any light.
+            StoredReflectance::Factors(factors) => directions
+                .filter(|_| factors.header().groups > 0)
+                .map_or(1.0, |some| (light[2] / some.lowest_light).min(1.0)),
+            StoredReflectance::Trees(trees) => trees.dimmed(light),
+        };
         self.value(views, lights).map(|value| value * dimmed)
     }
 
@@ -264,11 +290,24 @@ impl FlatBtfLook<'_> {
 
     /// Value of directions in the frame below the point.
     fn value(&self, view: BlendedDirection, light: BlendedDirection) -> [f32; 3] {
-        let value = self.texel.blended(view, light);
+        let texel = match &self.texel {
+            LookedUp::Factors(texel) => texel,
+            LookedUp::Trees(trees, level) => return self.value_of_trees(trees, *level, view.direction, light),
+        };
+        let value = texel.blended(view, light);
         let (normal, to) = (self.normal(), light.direction);
         let is_turned_away = normal[0] * to[0] + normal[1] * to[1] + normal[2] * to[2] <= 0.0;
         let lit = if value == [0.0; 3] || is_turned_away { 0.0 } else { self.lit(to, light.samples) };
-        self.texel.shadowed(value, light.samples, lit)
+        texel.shadowed(value, light.samples, lit)
+    }
+
+    /// [`Self::value`] of trees, whose mesh of views replaces the sampled ones.
+    fn value_of_trees(&self, trees: &FlatTrees, level: f32, view: [f32; 3], light: BlendedDirection) -> [f32; 3] {
+        let aligned = [view, light.direction].map(|direction| self.surface.aligned(direction));
+        let value = trees.value(self.parameters, level, aligned[0], aligned[1]);
+        let is_complete = value == [0.0; 3] || trees.has_shadows();
+        let lit = if is_complete { 1.0 } else { self.lit(light.direction, light.samples) };
+        value.map(|value| value * lit)
     }
 }
 

@@ -387,6 +387,16 @@ fn flat_btf_side(level: u32) -> u32 {
     return max(flat_btf_parameters.size >> level, 1u);
 }
 
+// Raises a light to the height of the lowest sampled light if it is lower, with the same azimuth.
+fn flat_btf_raised(light: vec3<f32>, lowest: f32) -> vec3<f32> {
+    let length = sqrt(light.x * light.x + light.y * light.y);
+    if light.z >= lowest || length <= 0.0 {
+        return light;
+    }
+    let scale = sqrt(1.0 - lowest * lowest) / length;
+    return vec3<f32>(light.x * scale, light.y * scale, lowest);
+}
+
 // Fractional part, in [0, 1). A tiny negative number has a fraction that rounds to 1.
 fn flat_btf_wrap(x: f32) -> f32 {
     let fraction = x - floor(x);

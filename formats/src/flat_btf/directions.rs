@@ -1,5 +1,6 @@
 //! The part `directions`: meshes that interpolate sampled views and lights, in the form that shaders read.
 
+use super::factored::FactoredFlatBtf;
 use super::layout::{self, check_format, wrong_extent};
 use super::relief::FlatBtfParts;
 use super::view_weights::{BlendedDirection, ViewWeights};
@@ -43,17 +44,17 @@ impl SampledDirections {
         Ok(Self { views: mesh("views", views)?, lights: mesh("lights", lights)?, lowest_light })
     }
 
-    /// Meshes of an asset; `None` if it has neither components nor sampled shadows. With shadows alone, the mesh of the views
-    /// is that of the lights.
+    /// Meshes of an asset; `None` if it has neither components nor sampled shadows, as for trees, which have a mesh of their
+    /// own. With shadows alone, the mesh of the views is that of the lights.
     ///
     /// # Errors
     /// Returns an error if directions cannot be interpolated, as [`DirectionMesh::new`].
     pub fn of(asset: &FlatBtfParts) -> Result<Option<Self>, FormatError> {
-        let header = asset.reflectance.header();
-        match asset.relief.shadows() {
-            _ if header.groups > 0 => Self::new(&header.views, &header.lights).map(Some),
-            Some(shadows) => Self::new(shadows.lights(), shadows.lights()).map(Some),
-            None => Ok(None),
+        let header = asset.reflectance.factors().map(FactoredFlatBtf::header);
+        match (header, asset.relief.shadows()) {
+            (Some(header), _) if header.groups > 0 => Self::new(&header.views, &header.lights).map(Some),
+            (Some(_), Some(shadows)) => Self::new(shadows.lights(), shadows.lights()).map(Some),
+            _ => Ok(None),
         }
     }
 

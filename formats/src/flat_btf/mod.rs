@@ -30,8 +30,9 @@ pub use flat_view::{FlatHeader, FlatView, MAX_DIRECTIONS, VisibilityMask, unit_v
 pub use layers::{Column, LayerHeader, LayerMap, MAX_HEIGHT, Sheet};
 pub use layout::MAX_DISPLACEMENT;
 pub use march::{MAX_SLOPE, MacroSurface, MarchSteps, ReliefPoint};
-pub use relief::{FlatBtfParts, Relief};
+pub use relief::{FlatBtfParts, Relief, StoredReflectance};
 pub use shadows::ShadowMap;
 pub use vdim::{SeenPoint, Vdim, VdimSamples};
 pub use vdim_header::{AZIMUTH_ROWS, MAX_VDIM_SIZE, POLAR_ANGLES, VdimHeader};
+pub(crate) use view_weights::raised;
 pub use view_weights::{BlendedDirection, ViewWeights};

@@ -1,4 +1,5 @@
-//! The two forms of relief: layers, through which rays march, and an indirection map with sampled views.
+//! The two forms of relief: layers, through which rays march, and an indirection map with sampled views. The two forms of
+//! reflectance.
 
 use super::factored::FactoredFlatBtf;
 use super::layers::LayerMap;
@@ -6,6 +7,8 @@ use super::shadows::ShadowMap;
 use super::vdim::Vdim;
 use super::vdim_header::VDIM;
 use crate::FormatError;
+use crate::PackKind;
+use crate::flat_btf_trees::FlatTrees;
 
 /// Relief of a flat BTF: what leads from a point of the reference plane to the parameters of the visible point, and to its
 /// shadow.
@@ -73,18 +76,91 @@ impl From<LayerMap> for Relief {
     }
 }
 
+/// Reflectance of a flat BTF.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)]
+pub enum StoredReflectance {
+    /// A base of each texel, and components of sampled views and lights.
+    Factors(FactoredFlatBtf),
+    /// Polynomial wavelet trees of sampled views.
+    Trees(FlatTrees),
+}
+
+impl StoredReflectance {
+    /// `T`, texels of the flat BTF per side.
+    pub fn size(&self) -> u32 {
+        match self {
+            Self::Factors(factors) => factors.header().size,
+            Self::Trees(trees) => trees.size(),
+        }
+    }
+
+    /// Number of mipmap levels.
+    pub fn levels(&self) -> u32 {
+        match self {
+            Self::Factors(factors) => factors.header().levels,
+            Self::Trees(trees) => trees.levels(),
+        }
+    }
+
+    /// Kind of a pack with this form.
+    pub fn kind(&self) -> PackKind {
+        match self {
+            Self::Factors(_) => PackKind::FlatBtf,
+            Self::Trees(_) => PackKind::FlatBtfTrees,
+        }
+    }
+
+    /// Form in words: `brdf` without components, `factors` or `pwt`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Factors(factors) if factors.header().groups == 0 => "brdf",
+            Self::Factors(_) => "factors",
+            Self::Trees(_) => "pwt",
+        }
+    }
+
+    /// The base and the components, if this is their form.
+    pub fn factors(&self) -> Option<&FactoredFlatBtf> {
+        match self {
+            Self::Factors(factors) => Some(factors),
+            Self::Trees(_) => None,
+        }
+    }
+
+    /// The trees, if this is their form.
+    pub fn trees(&self) -> Option<&FlatTrees> {
+        match self {
+            Self::Factors(_) => None,
+            Self::Trees(trees) => Some(trees),
+        }
+    }
+}
+
+impl From<FactoredFlatBtf> for StoredReflectance {
+    fn from(factors: FactoredFlatBtf) -> Self {
+        Self::Factors(factors)
+    }
+}
+
+impl From<FlatTrees> for StoredReflectance {
+    fn from(trees: FlatTrees) -> Self {
+        Self::Trees(trees)
+    }
+}
+
 /// Parts of one asset that a decoder reads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatBtfParts {
     /// Heights of the relief and its parameters, or what sampled views see of it.
     pub relief: Relief,
     /// Reflectance of the surface over its parameters.
-    pub reflectance: FactoredFlatBtf,
+    pub reflectance: StoredReflectance,
 }
 
 impl FlatBtfParts {
     /// Parts of an asset.
-    pub fn new(relief: impl Into<Relief>, reflectance: FactoredFlatBtf) -> Self {
-        Self { relief: relief.into(), reflectance }
+    pub fn new(relief: impl Into<Relief>, reflectance: impl Into<StoredReflectance>) -> Self {
+        Self { relief: relief.into(), reflectance: reflectance.into() }
     }
 }

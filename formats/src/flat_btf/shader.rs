@@ -1,10 +1,10 @@
-//! Shader side of flat BTFs: `formats/src/flat_btf/decoder.wgsl` and `vdim.wgsl`, and their uniform block.
+//! Shader side of flat BTFs: `formats/src/flat_btf/decoder.wgsl`, `vdim.wgsl` and others, and their uniform block.
 
 use super::directions::SampledDirections;
 use super::factored::shader::{FACTORED_WGSL, FactoredParameters};
 use super::factored::{FactoredFlatBtf, RESIDUAL_FORMAT};
 use super::layers::{LayerHeader, LayerMap};
-use super::relief::Relief;
+use super::relief::{Relief, StoredReflectance};
 use super::shadows::ShadowMap;
 use super::vdim::{Vdim, VdimSamples};
 use super::vdim_header::VdimHeader;
@@ -14,6 +14,7 @@ use crate::container::{Extent, TexelFormat};
 use crate::cursor::block_bytes;
 use crate::direction_mesh::DIRECTION_MESH_WGSL;
 use crate::flat_btf::FlatBtfDecoder;
+use crate::flat_btf_trees::TREES_DECODER;
 
 /// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("flat-btf", 6);
@@ -22,14 +23,17 @@ pub(super) const DECODER: (&str, u32) = ("flat-btf", 6);
 /// see the file.
 pub const FLAT_BTF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decoder.wgsl"));
 
-/// WGSL of indirection maps and sampled shadows.
-const VDIM_WGSL: &str = concat!(include_str!("vdim.wgsl"), arc_tangent_wgsl!("flat_btf", "FLAT_BTF"));
+/// WGSL of indirection maps.
+pub(crate) const VDIM_WGSL: &str = concat!(include_str!("vdim.wgsl"), arc_tangent_wgsl!("flat_btf", "FLAT_BTF"));
 
-/// WGSL for drawing a flat BTF: [`FLAT_BTF_WGSL`], indirection maps, factored values, interpolation of views and lights,
-/// and `flat_btf_value`, which combines them.
+/// WGSL of the point of the relief that a pixel shows.
+pub(crate) const SIGHT_WGSL: &str = include_str!("sight.wgsl");
+
+/// WGSL for drawing a flat BTF: [`FLAT_BTF_WGSL`], indirection maps, sampled shadows, factored values, interpolation of
+/// views and lights, and `flat_btf_value`, which combines them.
 pub fn flat_btf_value_wgsl() -> String {
-    let parts = [VDIM_WGSL, FACTORED_WGSL, DIRECTION_MESH_WGSL, include_str!("value.wgsl")];
-    [FLAT_BTF_WGSL].into_iter().chain(parts).collect::<Vec<_>>().join("\n")
+    let (shadows, value) = (include_str!("shadows.wgsl"), include_str!("value.wgsl"));
+    [FLAT_BTF_WGSL, VDIM_WGSL, SIGHT_WGSL, shadows, FACTORED_WGSL, DIRECTION_MESH_WGSL, value].join("\n")
 }
 
 /// The uniform block `FlatBtfParameters`.
@@ -80,25 +84,30 @@ const SAMPLER: &str = "flat_btf_sampler";
 const FACTORED_SAMPLER: &str = "factored_sampler";
 
 impl FlatBtfDecoder {
-    /// Bindings of the shader. Without `directions`, their texture is empty.
+    /// Bindings of the shader of its form of reflectance. Without `directions`, their texture is empty.
     pub fn bindings(&self, directions: Option<&SampledDirections>) -> Bindings<'_> {
-        let relief = match &self.parts().relief {
-            Relief::Layers(layers) => {
-                layer_bindings(layer_texels(layers)).into_iter().chain(sampled_bindings(None, None))
+        let parameters = FlatBtfParameters::to_bytes(self).to_vec();
+        let mut all = vec![Binding::frame(), Binding::uniform(15, "flat_btf_parameters", parameters)];
+        let (layers, map) = match &self.parts().relief {
+            Relief::Layers(layers) => (layer_texels(layers), None),
+            Relief::Vdim(map, _) => (compact_texels(map), Some(map)),
+        };
+        all.extend(layer_bindings(layers));
+        all.extend(map_bindings(map));
+        let (decoder, version) = match &self.parts().reflectance {
+            StoredReflectance::Factors(factors) => {
+                all.push(shadow_binding(self.parts().relief.shadows()));
+                all.extend(factored_bindings(factors));
+                all.push(direction_binding(directions));
+                DECODER
             }
-            Relief::Vdim(map, shadows) => {
-                layer_bindings(compact_texels(map)).into_iter().chain(sampled_bindings(Some(map), shadows.as_ref()))
+            StoredReflectance::Trees(trees) => {
+                all.extend(trees.bindings());
+                TREES_DECODER
             }
         };
-        let first =
-            [Binding::frame(), Binding::uniform(15, "flat_btf_parameters", FlatBtfParameters::to_bytes(self).to_vec())];
-        let directions = match directions {
-            Some(some) => Texels::new(TexelFormat::R32Uint, Extent::D2(some.extent()), bytes(&some.texels())),
-            None => Texels::empty(TexelFormat::R32Uint, Extent::D2([1; 2])),
-        };
-        let last = Binding::texture(28, DIRECTIONS, directions);
-        let factored = factored_bindings(&self.parts().reflectance);
-        Bindings::new(DECODER.0, DECODER.1, first.into_iter().chain(relief).chain(factored).chain([last]))
+        all.sort_by_key(|binding| binding.slot);
+        Bindings::new(decoder, version, all)
     }
 }
 
@@ -135,8 +144,8 @@ fn layer_bindings([heights, displacements]: [Texels<'_>; 2]) -> [Binding<'_>; 3]
     ]
 }
 
-/// Bindings of an indirection map and of sampled shadows.
-fn sampled_bindings<'a>(map: Option<&'a Vdim>, shadows: Option<&'a ShadowMap>) -> [Binding<'a>; 3] {
+/// Bindings of an indirection map.
+fn map_bindings(map: Option<&Vdim>) -> [Binding<'_>; 2] {
     let (reference, packed) = match map {
         Some(map) => {
             let header = map.header();
@@ -153,18 +162,28 @@ fn sampled_bindings<'a>(map: Option<&'a Vdim>, shadows: Option<&'a ShadowMap>) -
             (empty(TexelFormat::Rg16Float), empty(TexelFormat::Rgba16Float))
         }
     };
-    let shadows = match shadows {
+    [Binding::texture(19, REFERENCE, reference), Binding::texture(20, INDIRECTION, packed.sampled(SAMPLER))]
+}
+
+/// Binding of sampled shadows.
+fn shadow_binding(shadows: Option<&ShadowMap>) -> Binding<'_> {
+    let texels = match shadows {
         Some(shadows) => {
             let extent = Extent::D2Array([shadows.size(), shadows.size(), shadows.lights().len() as u32]);
             Texels::new(TexelFormat::R8Unorm, extent, shadows.texels()).with_levels(shadows.levels())
         }
         None => Texels::empty(TexelFormat::R8Unorm, Extent::D2Array([1; 3])),
     };
-    [
-        Binding::texture(19, REFERENCE, reference),
-        Binding::texture(20, INDIRECTION, packed.sampled(SAMPLER)),
-        Binding::texture(21, SHADOWS, shadows.sampled(SAMPLER)),
-    ]
+    Binding::texture(21, SHADOWS, texels.sampled(SAMPLER))
+}
+
+/// Binding of the meshes of views and lights.
+fn direction_binding(directions: Option<&SampledDirections>) -> Binding<'static> {
+    let texels = match directions {
+        Some(some) => Texels::new(TexelFormat::R32Uint, Extent::D2(some.extent()), bytes(&some.texels())),
+        None => Texels::empty(TexelFormat::R32Uint, Extent::D2([1; 2])),
+    };
+    Binding::texture(28, DIRECTIONS, texels)
 }
 
 /// Additional bindings for factored values.

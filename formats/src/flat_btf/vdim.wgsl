@@ -1,10 +1,9 @@
-// Flat BTFs: view-dependent indirection maps (VDIM), and sampled shadows.
+// Flat BTFs: view-dependent indirection maps (VDIM).
 //
 // After sections 3.4 and 3.5 of Hadim, Pacanowski, Granier and Schlick 2009, "Flat bidirectional texture functions". The
-// CPU versions are `Vdim`, `CompactSamples` and `ShadowMap` of the crate `brdfc-formats`.
+// CPU versions are `Vdim` and `CompactSamples` of the crate `brdfc-formats`.
 //
-// Usage: append this file and `factored/factored.wgsl` to `decoder.wgsl`. With the sampler a map takes 2 fetches, with compact
-// samples 5, and a shadow at most 3.
+// Usage: append this file to `decoder.wgsl`. With the sampler a map takes 2 fetches, with compact samples 5.
 
 // M x M texels: parameters that the view along the normal sees less the centre of the texel, in tiles. Only loaded: filtered
 // references would not match the map, whose texels are not filtered.
@@ -13,8 +12,6 @@
 // visible point, in tiles. A mipmap level has the blocks of larger texels. Compact samples have two numbers for a block of
 // texels: displacements along and across the azimuth of the view, between the bounds of the block.
 @group(1) @binding(20) var flat_btf_vdim: texture_2d<f32>;
-// Share of each sampled light that reaches the texels of the flat BTF, a layer per light. With mipmaps.
-@group(1) @binding(21) var flat_btf_shadows: texture_2d_array<f32>;
 
 const FLAT_BTF_PI: f32 = 3.14159274;
 const FLAT_BTF_HALF_PI: f32 = 1.57079637;
@@ -123,31 +120,4 @@ fn flat_btf_vdim_loaded(block: vec2<u32>, position: vec2<f32>, level: u32) -> ve
 fn flat_btf_block_tap(position: f32, last: u32) -> FlatBtfTap {
     let lower = min(u32(position), last - 1u);
     return FlatBtfTap(lower, lower + 1u, position - f32(lower));
-}
-
-// Share of a sampled light, 0 to 1, that reaches parameters of the flat BTF, between 0 and 1. level and blend are its mipmap
-// levels.
-fn flat_btf_shadow(at: vec2<f32>, level: u32, blend: f32, light: u32) -> f32 {
-    if brdfc_frame.sampler_filters == 1u {
-        let detail = f32(level) + blend;
-        return textureSampleLevel(flat_btf_shadows, flat_btf_sampler, at, light, detail).x;
-    }
-    let fine = flat_btf_shadow_of_level(at, level, light);
-    if blend > 0.0 {
-        return fine + blend * (flat_btf_shadow_of_level(at, level + 1u, light) - fine);
-    }
-    return fine;
-}
-
-fn flat_btf_shadow_of_level(at: vec2<f32>, level: u32, light: u32) -> f32 {
-    let side = factored_side(level);
-    let column = flat_btf_periodic_tap(at.x, side);
-    let row = flat_btf_periodic_tap(at.y, side);
-    var share = 0.0;
-    for (var k = 0u; k < 4u; k += 1u) {
-        let texel = vec2<u32>(flat_btf_tap_sample(column, k & 1u), flat_btf_tap_sample(row, k >> 1u));
-        let weight = flat_btf_tap_weight(row, k >> 1u) * flat_btf_tap_weight(column, k & 1u);
-        share = share + weight * textureLoad(flat_btf_shadows, texel, light, level).x;
-    }
-    return share;
 }

@@ -155,8 +155,12 @@ impl PwtPack {
 
     /// Contents of the KTX2 file.
     pub fn to_bytes(&self, supercompress: bool) -> Vec<u8> {
-        let entries = BTreeMap::from([(PWT_ENTRY.to_owned(), self.header.to_bytes())]);
-        self.bindings().to_file(entries, supercompress)
+        self.bindings().to_file(BTreeMap::from([self.entry()]), supercompress)
+    }
+
+    /// Key and value of the header.
+    pub(crate) fn entry(&self) -> (String, Vec<u8>) {
+        (PWT_ENTRY.to_owned(), self.header.to_bytes())
     }
 
     /// Reads and validates a KTX2 file.
@@ -172,6 +176,16 @@ impl PwtPack {
     /// # Errors
     /// Returns an error if the file violates `formats/src/pwt/spec.md`.
     pub fn from_file(mut file: PackFile) -> Result<Self, FormatError> {
+        let pack = Self::take_from(&mut file)?;
+        file.check_same(&pack.bindings())?;
+        Ok(pack)
+    }
+
+    /// Takes the pack's images of a file, which may have others.
+    ///
+    /// # Errors
+    /// Returns an error if the header or these images violate `formats/src/pwt/spec.md`.
+    pub(crate) fn take_from(file: &mut PackFile) -> Result<Self, FormatError> {
         let own = file.take_own();
         let [map, mesh] = [LIGHT_MAP, VIEWS].map(|name| file.take_texture(name));
         let missing = |name, what: &'static str| FormatError::whole(name, "no texels", what).problem();
@@ -194,9 +208,7 @@ impl PwtPack {
         for (index, texture) in textures.iter().enumerate() {
             expected.check_texture(index, texture)?;
         }
-        let pack = Self::new(expected.header, textures.into_iter().map(|texture| texture.texels).collect())?;
-        file.check_same(&pack.bindings())?;
-        Ok(pack)
+        Self::new(expected.header, textures.into_iter().map(|texture| texture.texels).collect())
     }
 
     /// Checks that all textures together are within the limit of the container.

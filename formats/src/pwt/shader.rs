@@ -9,6 +9,9 @@ use crate::container::{Extent, TexelFormat};
 /// Name of the decoder and version of its bindings.
 pub(super) const DECODER: (&str, u32) = ("pwt", 2);
 
+/// WGSL of the look-up alone, which follows the frame block and the mesh of directions.
+pub(crate) const TREE_WGSL: &str = include_str!("pwt.wgsl");
+
 /// WGSL decoder. It declares a uniform block, ten textures and two samplers in bind group 1; see the file.
 pub const PWT_WGSL: &str = concat!(
     include_str!("../bindings/frame.wgsl"),
@@ -70,6 +73,14 @@ impl PwtParameters {
 impl PwtPack {
     /// Bindings of the pack's shader.
     pub fn bindings(&self) -> Bindings<'_> {
+        let mut all = self.own_bindings();
+        all.push(Binding::frame());
+        all.sort_by_key(|binding| binding.slot);
+        Bindings::new(DECODER.0, DECODER.1, all)
+    }
+
+    /// Bindings without the frame block, in any order.
+    pub(crate) fn own_bindings(&self) -> Vec<Binding<'_>> {
         const SAMPLER: &str = "pwt_sampler";
         const MAP_SAMPLER: &str = "pwt_light_map_sampler";
         let texels = |index: usize| {
@@ -85,7 +96,7 @@ impl PwtPack {
             .zip(TEXTURE_SLOTS)
             .enumerate()
             .map(|(index, (name, slot))| Binding::texture(slot, name, texels(index).sampled(SAMPLER)));
-        let first = [Binding::frame(), Binding::uniform(9, "pwt", PwtParameters::to_bytes(self))];
+        let first = [Binding::uniform(9, "pwt", PwtParameters::to_bytes(self))];
         let sampler = Binding::sampler(14, SAMPLER, self.header().repeats);
         let views = match &self.header().views {
             Some(mesh) => Texels::new(TexelFormat::R32Uint, mesh_extent(mesh), mesh_texels(mesh)),
@@ -97,8 +108,6 @@ impl PwtPack {
         };
         let map = [Binding::texture(43, LIGHT_MAP, map.sampled(MAP_SAMPLER)), Binding::sampler(44, MAP_SAMPLER, false)];
         let others = [sampler, Binding::texture(28, VIEWS, views)].into_iter().chain(map);
-        let mut all: Vec<Binding<'_>> = first.into_iter().chain(textures).chain(others).collect();
-        all.sort_by_key(|binding| binding.slot);
-        Bindings::new(DECODER.0, DECODER.1, all)
+        first.into_iter().chain(textures).chain(others).collect()
     }
 }

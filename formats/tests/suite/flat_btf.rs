@@ -320,7 +320,7 @@ fn values_are_those_behind_a_ray_of_sight() {
         let level = numbers.between(-1.0, 3.0) as f32;
         let (view, light) = (towards(only(k % 3)), towards(only(k % 5)));
         let (point, parameters) = with.seen(uv, view.direction, level);
-        let texel = with.parts().reflectance.filtered(parameters, level);
+        let texel = with.parts().reflectance.factors().unwrap().filtered(parameters, level);
         let value = texel.blended(view, light);
         let (layers, steps) = (layers_of(with.parts()), with.steps());
         let (normal, to) = (texel.base().normal, light.direction);
@@ -332,7 +332,7 @@ fn values_are_those_behind_a_ray_of_sight() {
             0.0
         };
         assert_eq!(with.value(uv, level, view, light), texel.shadowed(value, light.samples, lit));
-        let texel = plain.parts().reflectance.filtered(parameters, level);
+        let texel = plain.parts().reflectance.factors().unwrap().filtered(parameters, level);
         let value = texel.blended(view, light).map(|channel| channel * lit);
         assert_eq!(plain.value(uv, level, view, light), value);
         *if lit > 0.0 { &mut reached } else { &mut blocked } += 1;
@@ -343,7 +343,7 @@ fn values_are_those_behind_a_ray_of_sight() {
     let flat = FlatBtfDecoder::new(FlatBtfParts::new(layers, reflectance));
     let (view, light) = (towards(nothing(1)), towards(nothing(4)));
     let (_, parameters) = flat.seen([0.3, 0.6], view.direction, 0.5);
-    let value = flat.parts().reflectance.filtered(parameters, 0.5).blended(view, light);
+    let value = flat.parts().reflectance.factors().unwrap().filtered(parameters, 0.5).blended(view, light);
     assert!(flat.value([0.3, 0.6], 0.5, view, light) == value && value[0] > 0.0, "{value:?}");
 }
 
@@ -364,7 +364,8 @@ fn steps_may_be_replaced() {
 #[test]
 fn graphics_memory_is_the_sum_of_the_texels() {
     for file in [base_file(), materials_file(), factored_file()] {
-        let (layers, reflectance) = (layers_of(file.decoder.parts()), &file.decoder.parts().reflectance);
+        let (layers, reflectance) =
+            (layers_of(file.decoder.parts()), file.decoder.parts().reflectance.factors().unwrap());
         let of_layers = layers.height_bytes().len() + layers.displacement_bytes().len();
         let directions = file.directions.as_ref().map_or(0, |directions| size_of_val(&directions.texels()[..]));
         assert_eq!(file.gpu_bytes(), (of_layers + directions) as u64 + reflectance.gpu_bytes());

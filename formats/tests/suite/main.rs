@@ -15,6 +15,7 @@ mod factored_base;
 mod factored_corrupt;
 mod flat_btf;
 mod flat_btf_corrupt;
+mod flat_btf_trees;
 mod golden;
 mod importance;
 mod ktx2_rules;

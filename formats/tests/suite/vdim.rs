@@ -188,7 +188,7 @@ fn graphics_memory_is_the_sum_of_the_texels() {
     let texels = 64 + 16 + 4 + 1;
     let shadows = 5 * (16 + 4 + 1);
     let directions = size_of_val(&file.directions.as_ref().unwrap().texels()[..]) as u64;
-    let reflectance = file.decoder.parts().reflectance.gpu_bytes();
+    let reflectance = file.decoder.parts().reflectance.factors().unwrap().gpu_bytes();
     assert_eq!(file.gpu_bytes() - reflectance - directions, (8 * 4 * 5 + 4) * texels + shadows);
 }
 

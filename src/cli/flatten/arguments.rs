@@ -77,15 +77,15 @@ pub struct Arguments {
     /// Form of the reflectance (default: auto).
     #[arg(long, value_parser = one_of(&REFLECTANCES), default_value = "auto")]
     pub(super) reflectance: Reflectance,
-    /// Views of factors: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default:
+    /// Views of factors and trees: ubo2003 (81), ubo2014 (151), grid:ZxA@DEGREES, or a .csv file with index,theta_deg,phi_deg (default:
     /// ubo2003). A grid has Z polar angles from 0 to DEGREES: one direction at the zenith, and A azimuths at each other
     /// angle. For example, grid:2x6@50 has 1 + 6 = 7 directions.
     #[arg(long, value_name = "SET")]
     pub(super) views: Option<Input>,
-    /// Lights of factors and of the shadows of an indirection map, in the same form (default: the set of --views).
+    /// Lights of factors, of trees and of the shadows of an indirection map, in the same form (default: the set of --views).
     #[arg(long, value_name = "SET")]
     pub(super) lights: Option<Input>,
-    /// Method that fills texels that a view does not see, for factors (default: poisson).
+    /// Method that fills texels that a view does not see, for factors and trees (default: poisson).
     #[arg(long, value_parser = one_of(&FILLS))]
     pub(super) fill: Option<FillMethod>,
     /// Rays per texel for light of one bounce, 0 to 1024 (default: 0, direct light and cast shadows only).
@@ -149,13 +149,18 @@ const FILLS: [(&str, FillMethod, &str); 2] = [
     ("poisson", FillMethod::Poisson, "Blend gradients of the view that is closest to the normal"),
     ("push-pull", FillMethod::PushPull, "Average visible neighbours: faster, as in Hadim et al. 2009"),
 ];
-const REFLECTANCES: [(&str, Reflectance, &str); 3] = [
+const REFLECTANCES: [(&str, Reflectance, &str); 4] = [
     ("auto", Reflectance::Auto, "The smaller form that meets --max-delta-e"),
     ("brdf", Reflectance::Brdf, "Normal, tint and share of two materials of each texel: for one or two materials"),
     (
         "factors",
         Reflectance::Factors,
         "Components of sampled views and lights in addition: for images and bounced light",
+    ),
+    (
+        "pwt",
+        Reflectance::Pwt,
+        "Polynomial wavelet trees of all views, which are in memory at once: for --texels of 128 or fewer views",
     ),
 ];
 const IMAGE_FORMATS: [(&str, StackFormat, &str); 2] = [("png", StackFormat::Png, ""), ("exr", StackFormat::Exr, "")];

@@ -33,7 +33,7 @@ pub(super) fn verification(
     let asset = read_report(&file).ok();
     let gpu = gpu::open(arguments)?;
     let wrong = |error: FormatError| Error::input(format!("{input}: {error}"));
-    let stored = if file.directions.is_some() { "factors" } else { "brdf" };
+    let stored = file.decoder.parts().reflectance.name();
     let bytes_on_gpu = file.gpu_bytes();
     let repeat = arguments.repeat.unwrap_or(setup.builtin.tiles());
     let material = FlatMaterial::new(file.decoder, repeat).map_err(wrong)?;

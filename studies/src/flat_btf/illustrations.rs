@@ -45,7 +45,7 @@ impl Illustrations {
     /// Draws the figures of a file and its indirection map, which is not compact. Images have as many texels as the map.
     pub(super) fn new(model: &MesoModel, appearance: &Appearance, (file, map): (&FlatBtfDecoder, &Vdim)) -> Self {
         let [view, light] = [VIEW, LIGHT].map(|[polar, azimuth]| from_polar(polar.to_radians(), azimuth.to_radians()));
-        let size = file.parts().reflectance.header().size as usize;
+        let size = file.parts().reflectance.size() as usize;
         let (seen, [flat, push_pull]) = flat_images(model, appearance, [view, light], size);
         let holed: Vec<[u8; 3]> = seen.iter().zip(&flat).map(|(s, v)| if *s { encoded(*v) } else { UNSEEN }).collect();
         Self {
@@ -82,9 +82,10 @@ fn flat_images(
 }
 
 fn parameterisation(model: &MesoModel, file: &FlatBtfDecoder) -> Panel {
-    let size = file.parts().reflectance.header().size;
+    let reflectance = file.parts().reflectance.factors().expect("the study makes no trees");
+    let size = reflectance.header().size;
     let normal = |at: u32| {
-        let normal = file.parts().reflectance.texel([at % size, at / size]).base().normal;
+        let normal = reflectance.texel([at % size, at / size]).base().normal;
         normal.map(|c| byte(0.5 + 0.5 * c))
     };
     let normals = square((0..size * size).map(normal).collect());

@@ -97,7 +97,13 @@ pub fn relief_frames(
     let row = |(method, decoder): (Method<'_>, &FlatBtfDecoder)| {
         let material = FlatMaterial::new(decoder.clone(), tiles).expect("directions that were checked");
         let sampling = (&material, FrameBlock::default());
-        let loaded = LoadedFlatBtf::new(gpu, flat_scene_source(), &scene, frame.samples, sampling)?;
+        let loaded = LoadedFlatBtf::new(
+            gpu,
+            flat_scene_source(decoder.parts().reflectance.kind()),
+            &scene,
+            frame.samples,
+            sampling,
+        )?;
         let seconds = fastest(RUNS, || loaded.draw(&scene.camera, frame))?;
         empty = empty.min(fastest(RUNS, || loaded.draw(&away, frame))?);
         progress(method.name);

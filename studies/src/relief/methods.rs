@@ -5,6 +5,7 @@ use brdfc_flat_btf::model::MesoModel;
 use brdfc_flat_btf::surface::SurfacePoint;
 use brdfc_formats::container::half;
 use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
 use brdfc_formats::flat_btf::{
     FlatBtfDecoder, FlatBtfParts, LayerHeader, LayerMap, MacroSurface, MarchSteps, Relief, VdimSamples,
 };
@@ -151,13 +152,14 @@ impl<'a> Methods<'a> {
         mean_fetches: Count<'a>,
         draw: Draw<'a>,
     ) -> Method<'a> {
-        let bytes = self.layers.parts().reflectance.gpu_bytes() + bytes;
+        let bytes = self.layers.parts().reflectance.factors().map_or(0, FactoredFlatBtf::gpu_bytes) + bytes;
         let stored = Stored { bytes, fetches: self.fetches_of_reflectance() + fetches, mean_fetches };
         Method { name, stored: Some(stored), draw }
     }
 
     fn fetches_of_reflectance(&self) -> u32 {
-        OF_TEXEL + OF_MATERIAL * self.layers.parts().reflectance.header().materials
+        OF_TEXEL
+            + OF_MATERIAL * self.layers.parts().reflectance.factors().map_or(0, |factors| factors.header().materials)
     }
 
     /// Rays against the surface itself; `reaches` is the fraction of the light that reaches a point.
@@ -179,7 +181,7 @@ impl<'a> Methods<'a> {
         &self,
         look: impl Fn([f32; 2], f32, Vector) -> (Vector, Shade) + Sync + 'a,
     ) -> Draw<'a> {
-        let texels = self.layers.parts().reflectance.header().size as usize;
+        let texels = self.layers.parts().reflectance.size() as usize;
         Box::new(move |scene, frame, repeat| draw_tiles(scene, frame, Tiles { repeat, texels }, &look))
     }
 
@@ -215,7 +217,7 @@ fn fetches(steps: MarchSteps) -> u32 {
 
 /// Mean fetches of the rays of samples for each of their lights, on a plane.
 fn mean_fetches(decoder: &FlatBtfDecoder, scene: &Scene, frame: Frame, repeat: u32) -> f64 {
-    let texels = decoder.parts().reflectance.header().size as usize;
+    let texels = decoder.parts().reflectance.size() as usize;
     let [fetches, rays] = [0; 2].map(AtomicU64::new);
     let add = |of_both: [u32; 2]| {
         fetches.fetch_add(of_both.iter().map(|count| u64::from(*count)).sum(), Ordering::Relaxed);

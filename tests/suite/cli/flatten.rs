@@ -1,6 +1,7 @@
 //! `brdfc flatten`, from every kind of input.
 
 mod reflectance;
+mod trees;
 mod vdim;
 
 use super::schemas::conforms;
@@ -356,12 +357,12 @@ fn options_change_what_they_say() {
     assert_eq!(filled["settings"]["fill"], "push-pull");
     assert!(plain.reflectance != other.reflectance && plain.relief == other.relief);
     let (_, coarse) = parts("c", &["--flat-texels", "8"]);
-    assert_eq!((plain.reflectance.header().size, coarse.reflectance.header().size), (16, 8));
+    assert_eq!((plain.reflectance.size(), coarse.reflectance.size()), (16, 8));
     assert!(plain.relief == coarse.relief);
     let (_, lit) = parts("d", &["--lights", "grid:2x4@50"]);
     let directions = |header: &FactoredHeader| (header.views.len(), header.lights.len());
-    assert_eq!(directions(plain.reflectance.header()), (7, 7));
-    assert_eq!(directions(lit.reflectance.header()), (7, 5));
+    assert_eq!(directions(plain.reflectance.factors().unwrap().header()), (7, 7));
+    assert_eq!(directions(lit.reflectance.factors().unwrap().header()), (7, 5));
 }
 
 /// The raw flat BTF: texels that a view sees hold the surface's values, and a displaced reference leads to what it sees.

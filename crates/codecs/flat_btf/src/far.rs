@@ -89,7 +89,7 @@ pub fn far_materials<E>(
     appearance: &Appearance,
     progress: &dyn Progress,
 ) -> Result<(FactoredFlatBtf, Vec<FarLevel>), FactorError<E>> {
-    let reflectance = &decoder.parts().reflectance;
+    let reflectance = decoder.parts().reflectance.factors().expect(FACTORS);
     let header = reflectance.header();
     let materials = reflectance.basis().materials();
     let scattered: Vec<Scattered<'_>> = materials.par_iter().map(Scattered::new).collect();
@@ -121,6 +121,8 @@ fn evenly<const N: usize>(k: usize, root: f64) -> [f64; N] {
     std::array::from_fn(|n| (0.5 + (k as f64 + 1.0) * root.powi(-(n as i32 + 1))).fract())
 }
 
+/// Form of the reflectance of known materials.
+const FACTORS: &str = "known materials have a base";
 const ROOT_OF_2: f64 = 1.324_717_957_244_746;
 const ROOT_OF_8: f64 = 1.085_070_245_491_451;
 
@@ -131,7 +133,7 @@ fn rays(
     appearance: &Appearance,
     level: u32,
 ) -> Vec<Ray> {
-    let reflectance = &decoder.parts().reflectance;
+    let reflectance = decoder.parts().reflectance.factors().expect(FACTORS);
     let side = f64::from((reflectance.header().size >> level).max(1));
     let detail = level as f32;
     // Tables must not add shadows to a relief without them.
@@ -150,7 +152,7 @@ fn rays(
         let truth = radiance(model, appearance, at, view, light).map(f64::from);
         let [view, light] = [view, light].map(|v| v.map(|c| c as f32));
         let look = decoder.look([x as f32, y as f32], detail, view, MacroSurface::PLANE);
-        let (base, lit) = (look.texel().base(), look.reached(directions, light));
+        let (base, lit) = (look.texel().expect(FACTORS).base(), look.reached(directions, light));
         let angles = |material: &BaseMaterial| BaseAngles::new(material.axis(), base.normal, view, light);
         let angles: Option<Vec<BaseAngles>> = reflectance.basis().materials().iter().map(angles).collect();
         let seen = angles.filter(|_| lit > 0.0).map(|angles| of_texel(base, lit, angles));
@@ -426,7 +428,7 @@ mod tests {
         let made = encoded(height_field(7, |_, _| 0.25), &of("synth:lambert?kd=0.5"));
         assert_eq!(made.report.far.iter().map(|far| far.level).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert!(made.report.far.iter().all(|far| (far.brightness - 1.0).abs() < 2e-3), "{:?}", made.report.far);
-        let material = &made.decoder.parts().reflectance.basis().materials()[0];
+        let material = &made.decoder.parts().reflectance.factors().unwrap().basis().materials()[0];
         assert_eq!(material.tables.len(), 6);
         for table in &material.tables {
             let entries = table.gloss.entries().iter().flatten();
@@ -440,7 +442,7 @@ mod tests {
         let appearance = of("synth:lewis?kd=0.4&ks=0.2&n=20");
         let made = encoded(bumps(32, 0.4), &appearance);
         assert!(made.report.far.iter().all(|far| (far.brightness - 1.0).abs() < 0.03), "{:?}", made.report.far);
-        let materials = made.decoder.parts().reflectance.basis().materials();
+        let materials = made.decoder.parts().reflectance.factors().unwrap().basis().materials();
         let scattered: Vec<Scattered<'_>> = materials.iter().map(Scattered::new).collect();
         let rays = rays((&made.decoder, None), &made.model, &appearance, 5);
         let without = brightness(&scattered, &rays, &as_it_is(), is_held_out);
@@ -450,7 +452,7 @@ mod tests {
     #[test]
     fn scattered_normals_spread_highlights() {
         let made = encoded(height_field(7, |_, _| 0.0), &of("synth:ggx?alpha=0.1"));
-        let table = &made.decoder.parts().reflectance.basis().materials()[0].tables[0].gloss;
+        let table = &made.decoder.parts().reflectance.factors().unwrap().basis().materials()[0].tables[0].gloss;
         let at = |entries: &[[f32; 3]], half: usize| entries[half * DIFFERENCE_ANGLES][1];
         assert_eq!(scattered(table, 0.0), table.entries());
         let spread = scattered(table, 0.2);

@@ -3,6 +3,7 @@
 use crate::common::flat::{appearance, flattened, with_heights, without_mipmaps};
 use brdfc_core::address::parse_synth;
 use brdfc_flat_btf::encode::Reflectance;
+use brdfc_formats::PackKind;
 use brdfc_formats::direction::add_scaled;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::factored::{FactoredFlatBtf, WeightMap, WeightRange};
@@ -15,6 +16,7 @@ use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{SourceReflectance, shade};
 use brdfc_render::trace::trace;
 use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, Sizes, factored, layers, layers_of};
+use brdfc_testing::codecs::flat_btf_trees::trees;
 use std::sync::LazyLock;
 
 const FRAME: Frame = Frame { width: 96, height: 72, samples: 2 };
@@ -58,8 +60,8 @@ fn same(a: &LinearImage, b: &LinearImage, what: &str, most: (f64, f64)) {
 #[test]
 fn shader_and_cpu_draw_the_same_renderings() {
     let Some(gpu) = crate::common::gpu() else { return };
-    assert!(layers_of(&STUD).header().sheets == 3 && COMPONENTS.reflectance.residual().is_none());
-    assert!(BOUNCED.reflectance.residual().is_some());
+    assert!(layers_of(&STUD).header().sheets == 3 && COMPONENTS.reflectance.factors().unwrap().residual().is_none());
+    assert!(BOUNCED.reflectance.factors().unwrap().residual().is_some());
     for (name, parts) in [("material", &*STUD), ("components", &COMPONENTS), ("bounces", &BOUNCED)] {
         let material = material(parts);
         // The ball has stretched tiles; the table has bump maps, which apply only to BRDFs; the terrain shows texels far away.
@@ -71,6 +73,22 @@ fn shader_and_cpu_draw_the_same_renderings() {
             // The terrain is seen almost from the side, where rays are longest: 1.1 to 2.0 % of its pixels differ.
             let most = if builtin == Builtin::Terrain { (0.022, 0.25) } else { (0.02, 0.05) };
             same(&shader, &cpu, &format!("{name}, {}", builtin.name()), most);
+        }
+    }
+}
+
+/// Trees with their own shadows, and with rays of light.
+#[test]
+fn shader_and_cpu_draw_the_same_trees() {
+    let Some(gpu) = crate::common::gpu() else { return };
+    for is_learned in [false, true] {
+        let material = material(&FlatBtfParts::new(layers_of(&STUD).clone(), trees(is_learned)));
+        for builtin in [Builtin::Plane, Builtin::Vase] {
+            let scene = builtin.scene();
+            let shader = draw_flat_btf(gpu, &scene, FRAME, &material).unwrap();
+            let cpu = draw_on_cpu(&scene, FRAME, &material);
+            assert!(cpu.pixels.iter().filter(|p| p[0] > 0.01).count() > FRAME.width * FRAME.height / 8);
+            same(&shader, &cpu, &format!("trees, learned {is_learned}, {}", builtin.name()), (0.02, 0.2));
         }
     }
 }
@@ -139,7 +157,7 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
     let drawn = |source: String, scene: &Scene| draw_flat_btf_by(gpu, source, scene, FRAME, &whole).unwrap();
     let from_below = draw_on_cpu(&below, FRAME, &whole);
     assert!(from_below.pixels.iter().any(|p| p[0] > 0.0), "lit from below");
-    same(&drawn(flat_scene_source(), &below), &from_below, "from below", (0.02, 0.2));
+    same(&drawn(flat_scene_source(PackKind::FlatBtf), &below), &from_below, "from below", (0.02, 0.2));
     let vase = Builtin::Vase.scene();
     let on_vase = draw_on_cpu(&vase, FRAME, &whole);
     let ball = Builtin::Sphere.scene();
@@ -155,14 +173,14 @@ fn a_change_of_the_scene_or_of_the_shader_is_a_difference() {
         (&vase, &on_vase, "sign * in.raised_by", "0.0 * in.raised_by"),
         (&vase, &on_vase, "return sqrt(abs(area)", "return 0.5 * sqrt(abs(area)"),
         (&vase, &on_vase, "along_v.y) * side", "along_v.y) * -side"),
-        (&vase, &on_vase, "return look.point.rise * vec3", "return 0.0 * vec3"),
+        (&vase, &on_vase, "return sight.point.rise * vec3", "return 0.0 * vec3"),
         (&vase, &on_vase, "return surface.border.x", "return 0.0 * surface.border.x"),
         (&ball, &on_ball, "tiles_right * b.y - tiles_below * a.y", "tiles_right * b.y"),
         (&ball, &on_ball, "let along_b = (", "let along_b = -("),
     ];
     for (scene, expected, from, to) in edits {
-        assert_eq!(flat_scene_source().matches(from).count(), 1, "{from}");
-        let (share, mean) = difference(&drawn(flat_scene_source().replace(from, to), scene), expected);
+        assert_eq!(flat_scene_source(PackKind::FlatBtf).matches(from).count(), 1, "{from}");
+        let (share, mean) = difference(&drawn(flat_scene_source(PackKind::FlatBtf).replace(from, to), scene), expected);
         println!("{from} -> {to}: {share} of the pixels, mean ΔE {mean}");
         assert!(share > 0.03 && mean > 0.3, "{from} -> {to}: {share} of the pixels, mean ΔE {mean}");
     }
@@ -251,7 +269,7 @@ fn a_flat_structure_looks_like_its_brdf() {
         let made = flattened(address, &appearance(address, Some(brdf)), 4, &directions, (Reflectance::Brdf, 0));
         let FlatBtfParts { relief, reflectance } = made.decoder.into_parts();
         // The structure's tints vary over the tile; this test needs one material everywhere.
-        let parts = FlatBtfParts { relief, reflectance: untinted(&reflectance) };
+        let parts = FlatBtfParts::new(relief, untinted(reflectance.factors().unwrap()));
         let material = material(&parts);
         let source = parse_synth(brdf).unwrap();
         for builtin in [Builtin::Plane, Builtin::Vase] {

@@ -94,7 +94,8 @@ fn composed() -> Vec<Module> {
     let compute = "fn compute(at: u32) { output[at] = input[at]; }\n";
     vec![
         Module::new("scene", scene_source()),
-        Module::new("flat scene", flat_scene_source()),
+        Module::new("flat scene", flat_scene_source(PackKind::FlatBtf)),
+        Module::new("flat scene of trees", flat_scene_source(PackKind::FlatBtfTrees)),
         Module::new("adaptive G-buffer", adaptive.g_buffer),
         Module::new("adaptive steps", adaptive.steps),
         Module::new("evaluate", format!("{WAVELET_BRDF_WGSL}\n{EVALUATE_WGSL}")),

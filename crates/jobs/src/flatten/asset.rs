@@ -5,6 +5,7 @@ use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::bindings::Stored;
 use brdfc_formats::flat_btf::FlatBtfFile;
+use brdfc_pwt::PwtFacts;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,6 +26,9 @@ pub struct AssetFile {
     pub settings: Settings,
     /// Measurements that the encoder made: sizes, errors and repairs.
     pub report: AssetReport,
+    /// Facts about the trees; only for the reflectance `pwt`.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub trees: Option<PwtFacts>,
 }
 
 /// A flat BTF: the report in its file, and its sizes.

@@ -10,6 +10,7 @@ mod read;
 mod run;
 mod scratch;
 pub mod surface;
+mod trees;
 pub mod words;
 
 pub use asset::{AssetFile, FlatAsset, Settings};

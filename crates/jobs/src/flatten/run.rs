@@ -5,13 +5,15 @@ use super::flat_images::write_flat;
 use super::images::{StackImages, write_images};
 use super::input::{Geometry, Surface, Values};
 use super::scratch::FolderScratch;
+use super::trees::fit;
 use crate::btf_stack::StackFormat;
 use crate::error::Error;
 use crate::store::{Staging, placing};
 use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
-use brdfc_flat_btf::encode::{EncodeError, FlatInput, FlattenRecipe, ValueSource, encode};
+use brdfc_flat_btf::encode::{EncodeError, FlatInput, FlattenRecipe, Reflectance, ValueSource, encode, encode_trees};
 use brdfc_formats::flat_btf::FlatBtfFile;
+use brdfc_pwt::PwtFacts;
 use std::path::Path;
 
 /// A flat BTF to make.
@@ -53,14 +55,18 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
             ValueSource::Measured(&images)
         }
     };
-    let encoded = encode(FlatInput { mesh, repairs: weld, values }, job.recipe, &scratch, progress).map_err(
-        |error| match error {
-            EncodeError::Parameterise(error) => Error::input(error).prefixed(input),
-            EncodeError::Format(error) => Error::input(error),
-            EncodeError::Outside(error) => error,
-            EncodeError::Cancelled(cancelled) => cancelled.into(),
-        },
-    )?;
+    let flat = FlatInput { mesh, repairs: weld, values };
+    let encoded = if job.recipe.reflectance == Reflectance::Pwt {
+        encode_trees(flat, job.recipe, &scratch, |views| fit(views, job.recipe, progress), progress)
+    } else {
+        encode(flat, job.recipe, &scratch, progress)
+    };
+    let encoded = encoded.map_err(|error| match error {
+        EncodeError::Parameterise(error) => Error::input(error).prefixed(input),
+        EncodeError::Format(error) => Error::input(error),
+        EncodeError::Outside(error) => error,
+        EncodeError::Cancelled(cancelled) => cancelled.into(),
+    })?;
     if let (Values::Computed(appearance), Some(images)) = (&texels, job.images) {
         write_images(&encoded.model, appearance, job.recipe, images, progress)?;
     }
@@ -78,6 +84,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         },
         settings: Settings::new(job.recipe, job.supercompress),
         report: encoded.report,
+        trees: encoded.decoder.parts().reflectance.trees().map(|trees| PwtFacts::new(trees.pack())),
     };
     let mut file = FlatBtfFile::new(encoded.decoder).map_err(Error::input)?;
     file.report = serde_json::to_string(&about).expect("plain data");

@@ -3,14 +3,17 @@
 use super::asset::{AssetFile, FlatAsset, Settings};
 use brdfc_core::words::{bytes, counted, percent};
 use brdfc_flat_btf::encode::{AssetReport, Reflectance, ReliefForm, VdimRecipe};
-use brdfc_flat_btf::factored::FactoredTarget;
+use brdfc_flat_btf::factored::{FactoredFacts, FactoredTarget};
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
+use brdfc_pwt::PwtFacts;
 
 /// Texels per side below which outlines are soft on a plane that fills a rendering.
 const FEW_TEXELS: usize = 128;
-/// Views below which highlights of factors show steps.
+/// Views below which highlights of factors and trees show steps.
 const FEW_VIEWS: usize = 40;
+/// Facts about trees in a summary.
+const OF_TREES: [&str; 5] = ["light", "domain", "textures", "fetches", "errors"];
 /// Share of the lines, in millionths, below which simplified layers are not worth a note.
 const FEW_LINES: u32 = 1000;
 
@@ -41,7 +44,7 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
              256 texels, looks sharp from nearby"
         ));
     }
-    if asset.report.reflectance == Reflectance::Factors && views.1 < FEW_VIEWS {
+    if matches!(asset.report.reflectance, Reflectance::Factors | Reflectance::Pwt) && views.1 < FEW_VIEWS {
         lines.push(format!(
             "highlights show steps with {}, which is for previews only; the default is 81 views",
             counted(views.1, "view")
@@ -53,7 +56,13 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
 /// Message if the factors miss their target; `None` if they meet it.
 pub fn missed(asset: &AssetFile) -> Option<String> {
     let FactoredTarget::Error(most) = asset.settings.target else { return None };
-    let factored = &asset.report.factored;
+    if let Some(trees) = &asset.trees {
+        let found = f64::from(trees.errors.delta_e);
+        let text =
+            format!("--max-delta-e: found a mean ΔE of {found:.3} with trees of all terms, expected at most {most}");
+        return (found > most).then_some(text);
+    }
+    let factored = asset.report.factored.as_ref()?;
     let found = f64::from(factored.errors.seen_mean);
     let form = if factored.components == 0 { "brdf".to_owned() } else { format!("{} components", factored.components) };
     let least = factored.tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
@@ -88,9 +97,8 @@ pub fn height(value: f64) -> String {
 
 /// Names and values of an asset's properties, without its errors.
 pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset) -> Vec<(&'static str, String)> {
-    let (report, settings) = (&asset.report, &asset.settings);
+    let (report, settings, trees) = (&asset.report, &asset.settings, &asset.trees);
     let (views, lights) = (&settings.views, &settings.lights);
-    let factored = &report.factored;
     let stretch = &report.parameterisation.after;
     let mut facts = vec![
         ("source", asset.source.clone()),
@@ -99,15 +107,24 @@ pub fn facts(FlatAsset { about: asset, bytes: file, gpu_bytes, .. }: &FlatAsset)
         ("heights", format!("{} to {} tiles", height(report.heights[0]), height(report.heights[1]))),
         ("stretch", format!("{:.3} (1 is even), largest {:.2}", stretch.l2, stretch.largest)),
     ];
-    if report.reflectance == Reflectance::Brdf {
-        facts.push(("reflectance", format!("brdf: {} on a GPU", bytes(factored.gpu_bytes))));
-    } else {
-        let residual = match factored.residual {
-            0 => String::new(),
-            cells => format!(", a residual of shadows of {cells} x {cells} cells per light"),
-        };
-        let text = format!("factors: {} components{residual}, ", factored.components);
-        facts.push(("reflectance", format!("{text}{} on a GPU", bytes(factored.gpu_bytes))));
+    let reflectance = match (&report.factored, trees) {
+        (Some(factored), _) if report.reflectance == Reflectance::Brdf => {
+            format!("brdf: {} on a GPU", bytes(factored.gpu_bytes))
+        }
+        (Some(factored), _) => {
+            let residual = match factored.residual {
+                0 => String::new(),
+                cells => format!(", a residual of shadows of {cells} x {cells} cells per light"),
+            };
+            format!("factors: {} components{residual}, {} on a GPU", factored.components, bytes(factored.gpu_bytes))
+        }
+        (None, Some(trees)) => format!("pwt: {} on a GPU", bytes(trees.gpu_bytes)),
+        (None, None) => "unknown".to_owned(),
+    };
+    facts.push(("reflectance", reflectance));
+    let of_trees = trees.as_ref().map_or(Vec::new(), PwtFacts::summary).into_iter();
+    facts.extend(of_trees.filter(|(name, _)| OF_TREES.contains(name)));
+    if report.reflectance != Reflectance::Brdf {
         facts.push(("views x lights", format!("{} ({}) x {} ({})", views.1, views.0, lights.1, lights.0)));
     }
     if let (Some(seen), Some(unseen)) = (report.seen, asset.unseen()) {
@@ -137,13 +154,14 @@ fn relief(settings: &Settings, report: &AssetReport) -> (&'static str, String) {
 /// Its measured errors with their names.
 pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
     let errors = &asset.report.errors;
-    let factored = asset.report.factored.errors;
-    let [mean, p95, max] = [factored.seen_mean, factored.seen_p95, factored.seen_max].map(f64::from);
-    let of_reflectance = ColourErrors { samples: factored.texels as usize, mean, p95, max };
+    let of_reflectance = asset.report.factored.as_ref().map(|FactoredFacts { errors, .. }| {
+        let [mean, p95, max] = [errors.seen_mean, errors.seen_p95, errors.seen_max].map(f64::from);
+        ColourErrors { samples: errors.texels as usize, mean, p95, max }
+    });
     [
         ("ΔE from the surface", errors.from_surface),
         ("ΔE from the images", errors.from_images),
-        ("ΔE of the reflectance, at texels", Some(of_reflectance)),
+        ("ΔE of the reflectance, at texels", of_reflectance),
     ]
     .into_iter()
     .filter_map(|(name, error)| Some((name, error?)))

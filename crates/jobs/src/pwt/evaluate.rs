@@ -55,7 +55,7 @@ impl Relightable {
     pub fn levels(&self) -> u32 {
         match self {
             Self::Pack(decoder) => decoder.pack().header().levels,
-            Self::Flat(material) => material.decoder().parts().reflectance.header().levels - 1,
+            Self::Flat(material) => material.decoder().parts().reflectance.levels() - 1,
         }
     }
 

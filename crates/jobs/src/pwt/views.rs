@@ -92,14 +92,14 @@ pub(super) fn all_flat_views(path: &Path, file: &FlatBtfFile) -> Result<LightSam
     let of_file = |error| Error::from(InputError::format(path, error));
     // Reports a file without sampled views.
     decoded_view(file, 0).map_err(of_file)?;
-    let header = file.decoder.parts().reflectance.header();
+    let factors = file.decoder.parts().reflectance.factors().expect("it has sampled views");
+    let header = factors.header();
     let angles = header.views.iter().map(|angles| angles.map(|angle| f64::from(angle).to_degrees())).collect();
     let set = DirectionSet { name: "views".to_owned(), angles };
     let lights = unit_vectors(&header.lights);
     let side = header.size as usize;
     let views = checked_views(path, &set, lights.len(), [side, side])?;
-    let decoded: Vec<FlatView> =
-        (0..set.len() as u32).into_par_iter().map(|view| file.decoder.parts().reflectance.view(view)).collect();
+    let decoded: Vec<FlatView> = (0..set.len() as u32).into_par_iter().map(|view| factors.view(view)).collect();
     stacked(views, lights, [side, side], |view, light| {
         let rows = decoded[view].light(light as u32).chunks_exact(side).rev();
         Ok(rows.flatten().map(|texel| brdfc_formats::container::rgb9e5::decode(*texel)).collect())

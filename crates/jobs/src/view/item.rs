@@ -59,7 +59,7 @@ impl ViewItem {
     pub fn decoder(&self) -> Option<PackKind> {
         Some(match &self.drawn {
             Drawn::Brdf(pack) => pack.kind(),
-            Drawn::FlatBtf(..) => PackKind::FlatBtf,
+            Drawn::FlatBtf(decoder, _) => decoder.parts().reflectance.kind(),
             Drawn::Lobes(_) => PackKind::Lobes,
             Drawn::Pwt(_) => PackKind::Pwt,
             Drawn::Photographs(_) => return None,
@@ -111,7 +111,7 @@ impl ViewItem {
         let of_mipmaps = |levels: u32| (levels.saturating_sub(1), 0);
         match &self.drawn {
             Drawn::Brdf(pack) => (pack.levels(), pack.levels()),
-            Drawn::FlatBtf(decoder, _) => of_mipmaps(decoder.parts().reflectance.header().levels),
+            Drawn::FlatBtf(decoder, _) => of_mipmaps(decoder.parts().reflectance.levels()),
             Drawn::Lobes(_) | Drawn::Photographs(_) => (0, 0),
             Drawn::Pwt(pack) => {
                 let textures = pack.header().textures.len();

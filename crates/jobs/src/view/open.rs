@@ -206,7 +206,7 @@ fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, Error> {
     // Checked before it is compressed.
     check_bytes(&path.display().to_string(), size)?;
     let FlatBtfFile { decoder, directions, .. } = file;
-    let form = if directions.is_some() { "factors" } else { "brdf" };
+    let form = decoder.parts().reflectance.name();
     let facts = format!("flat BTF, {form}, {} on a GPU", bytes(size));
     Ok(ViewItem { name, facts, drawn: Drawn::FlatBtf(Box::new(decoder), directions) })
 }

@@ -3,7 +3,7 @@
 use super::item::{PHOTOGRAPHS, ViewItem};
 use brdfc_formats::PackKind;
 use brdfc_formats::environment::ENVIRONMENT_WGSL;
-use brdfc_render::flat::COVER_WGSL;
+use brdfc_render::flat::cover_wgsl;
 use brdfc_shaders::{Program, TranslatedProgram};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -49,11 +49,11 @@ impl PageShader {
         let of_kind = drawing_wgsl(decoder, exact).expect("only packs that pages draw become items");
         // Decoders come with what they need: the surfaces that flat BTFs cover, the environment that lights lobes.
         let needed = match decoder {
-            PackKind::FlatBtf => COVER_WGSL,
-            PackKind::Lobes => ENVIRONMENT_WGSL,
-            _ => "",
+            PackKind::FlatBtf | PackKind::FlatBtfTrees => cover_wgsl(decoder),
+            PackKind::Lobes => ENVIRONMENT_WGSL.to_owned(),
+            _ => String::new(),
         };
-        let wgsl = assembled(&[needed, &(decoder.descriptor().wgsl)(), &of_kind]);
+        let wgsl = assembled(&[&needed, &(decoder.descriptor().wgsl)(), &of_kind]);
         let name = if exact { format!("{}, exact", decoder.name()) } else { decoder.name().to_owned() };
         Self { name, wgsl, vertex: "project", fragment: "shade" }
     }
@@ -122,7 +122,9 @@ fn drawing_wgsl(kind: PackKind, exact: bool) -> Option<String> {
         (_, Some(shader)) => {
             (brdf(if exact { shader.exact } else { shader.filtered }, shader.level_of_detail), NO_ENVIRONMENT)
         }
-        (PackKind::FlatBtf, _) => (include_str!("shaders/flat_btf.wgsl").to_owned(), NO_ENVIRONMENT),
+        (PackKind::FlatBtf | PackKind::FlatBtfTrees, _) => {
+            (include_str!("shaders/flat_btf.wgsl").to_owned(), NO_ENVIRONMENT)
+        }
         (PackKind::Pwt, _) => (include_str!("shaders/pwt.wgsl").to_owned(), NO_ENVIRONMENT),
         // Lobes reflect no light of points.
         (PackKind::Lobes, _) => (brdf("vec3<f32>(0.0)", "0.0"), include_str!("shaders/lobes.wgsl")),

@@ -1,6 +1,6 @@
 //! Flat BTFs of committed inputs have the bytes and decoded values in the codec's list; see docs/goldens.md.
 
-use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance, ReliefForm};
+use brdfc_flat_btf::encode::{FlattenRecipe, Reflectance, ReliefForm, VdimRecipe};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
 use brdfc_formats::direction_set::DirectionSet;
@@ -62,4 +62,36 @@ fn flat_btfs() {
     );
     packs.extend(flat_btf("studs", &studs, &FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe }, true));
     check_encodes("flat_btf", &packs, |file| file == "button.ktx2");
+}
+
+#[test]
+fn flat_btfs_of_trees() {
+    let set = |azimuths| DirectionSet::grid(2, azimuths, 70.0).expect("a grid of directions");
+    let recipe = FlattenRecipe {
+        relief: ReliefForm::Layers,
+        texels: 8,
+        flat_texels: 8,
+        views: set(3),
+        lights: set(8),
+        fill: FillMethod::Poisson,
+        bounces: 0,
+        reflectance: Reflectance::Pwt,
+        target: FactoredTarget::Error(2.0),
+    };
+    let button = meso("synth:button?resolution=16".to_owned(), &[]);
+    let mut packs = flat_btf("button", &button, &recipe, true);
+    // Values with shadows: behind an indirection map, and with light of one bounce.
+    let vdim = VdimRecipe {
+        polar_angles: 4,
+        azimuth_rows: 5,
+        largest_angle: 70.0,
+        oversampling: 1,
+        shadows: true,
+        compact: false,
+    };
+    let sponge = meso("synth:sponge?resolution=16".to_owned(), &[]);
+    let map = FlattenRecipe { relief: ReliefForm::Vdim(vdim), target: FactoredTarget::Bytes(6000), ..recipe.clone() };
+    packs.extend(flat_btf("map", &sponge, &map, false));
+    packs.extend(flat_btf("bounced", &sponge, &FlattenRecipe { bounces: 4, ..recipe }, true));
+    check_encodes("flat_btf_trees", &packs, |file| file == "button.ktx2");
 }

@@ -6,11 +6,18 @@ use crate::scene::{Mesh, Scene, Vertex};
 use crate::shading_point::ShadingPoint;
 use crate::trace::Hit;
 use crate::vector::{add_scaled, double, subtract};
+use brdfc_formats::PackKind;
 use brdfc_formats::direction::{Vector, dot};
 use brdfc_formats::flat_btf::{MAX_SLOPE, MacroSurface};
 
-/// WGSL of the surface around a point of a covered mesh.
-pub const COVER_WGSL: &str = include_str!("cover.wgsl");
+/// WGSL of the surface around a point of a covered mesh, and of the calls of scenes, by the kind of a flat BTF.
+pub fn cover_wgsl(kind: PackKind) -> String {
+    let calls = match kind {
+        PackKind::FlatBtfTrees => include_str!("trees.wgsl"),
+        _ => include_str!("factors.wgsl"),
+    };
+    [include_str!("cover.wgsl"), calls].join("\n")
+}
 
 /// Largest difference of normals on a plane.
 const MAX_NORMAL_DIFFERENCE: f32 = 1e-4;

@@ -1,5 +1,5 @@
 // The surface that a relief covers around a point of a covered mesh; the CPU twin is `cover.rs`. Appended to
-// `corner.wgsl` and to the decoder that ends with `formats/src/flat_btf/value.wgsl`.
+// `corner.wgsl` and to the decoder of a flat BTF.
 
 struct CoveredSurface {
     flat_btf: FlatBtfSurface,
@@ -41,6 +41,6 @@ fn border_around(
 }
 
 // True if the visible point is beyond the border, where no surface carries it.
-fn is_outside(surface: CoveredSurface, look: FlatBtfLook) -> bool {
-    return surface.border.x + surface.side * dot(surface.border.yz, look.moved) < 0.0;
+fn is_outside(surface: CoveredSurface, sight: FlatBtfSight) -> bool {
+    return surface.border.x + surface.side * dot(surface.border.yz, sight.moved) < 0.0;
 }

@@ -15,7 +15,7 @@ mod reference;
 mod shell;
 mod thumbnails;
 
-pub use cover::{COVER_WGSL, covered};
+pub use cover::{cover_wgsl, covered};
 pub use material::FlatMaterial;
 pub use reference::reference;
 pub use thumbnails::{FlatRendering, FlatRenderings, flat_renderings};
@@ -44,7 +44,7 @@ pub struct Tiles {
 pub fn draw_on_cpu(scene: &Scene, frame: Frame, material: &FlatMaterial) -> LinearImage {
     let covered = material.cover(scene);
     let caster = Caster::new(&covered);
-    let texels = material.decoder().parts().reflectance.header().size as usize;
+    let texels = material.decoder().parts().reflectance.size() as usize;
     let eye = covered.camera.eye;
     sample_means(&covered, frame, |pixel, sample| {
         let position = frame.sample_position(pixel, sample);

@@ -5,6 +5,9 @@ use crate::rendering::{Panel, heat_map, to_panel};
 use crate::scene::Frame;
 use crate::scenes::Builtin;
 use brdfc_formats::direction::Vector;
+use brdfc_formats::flat_btf::StoredReflectance;
+use brdfc_formats::flat_btf::factored::FactoredFlatBtf;
+use brdfc_formats::flat_btf_trees::FlatTrees;
 use brdfc_metrics::image::{LinearImage, auto_exposure};
 
 /// Pixels of a rendering, per side.
@@ -64,7 +67,29 @@ fn tile(material: &FlatMaterial) -> Vec<FlatRendering> {
 }
 
 fn texels(material: &FlatMaterial) -> Vec<FlatRendering> {
-    let reflectance = &material.decoder().parts().reflectance;
+    match &material.decoder().parts().reflectance {
+        StoredReflectance::Factors(factors) => texels_of_factors(factors),
+        StoredReflectance::Trees(trees) => texels_of_trees(trees),
+    }
+}
+
+/// Values of trees, before shadows that the relief adds.
+fn texels_of_trees(trees: &FlatTrees) -> Vec<FlatRendering> {
+    let along = [0.0, 0.0, 1.0];
+    let side = direction(SLANTED, 0.0);
+    let rendering = |caption: String, view: Vector, light: Vector| {
+        let [view, light] = [view, light].map(|v| v.map(|c| c as f32));
+        let image = colours(|uv| trees.value(uv.map(|c| c as f32), 0.0, view, light).map(f64::from));
+        FlatRendering { caption, panel: to_panel(&image, auto_exposure(&image)) }
+    };
+    vec![
+        rendering("seen and lit along the normal".to_owned(), along, along),
+        rendering(format!("lit from {:.0}°", LIT_FROM[0]), along, direction(LIT_FROM[0], LIT_FROM[1])),
+        rendering(format!("seen from {SLANTED:.0}°"), side, along),
+    ]
+}
+
+fn texels_of_factors(reflectance: &FactoredFlatBtf) -> Vec<FlatRendering> {
     let base = |uv: [f64; 2]| *reflectance.filtered(uv.map(|c| c as f32), 0.0).base();
     let normals = bytes(|uv| base(uv).normal.map(|c| (255.0 * (0.5 + 0.5 * f64::from(c))).round() as u8));
     let diffuse = colours(|uv| base(uv).diffuse.map(f64::from));

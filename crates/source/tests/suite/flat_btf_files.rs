@@ -34,7 +34,7 @@ fn files_round_trip() {
     }
     assert_eq!(flat_btf_file(folder.path()).unwrap(), Some(file));
     assert_eq!(flat_btf_file(&folder.path().join("other.ktx2")).unwrap(), None);
-    let asset = &whole.decoder.parts().reflectance;
+    let asset = whole.decoder.parts().reflectance.factors().unwrap();
     assert_eq!(flat_view(&whole, 1).unwrap(), (Some(asset.view(1)), SMALL.views));
     assert_eq!(flat_view(&whole, SMALL.views).unwrap(), (None, SMALL.views));
 }

@@ -22,13 +22,13 @@ use crate::golden::foreign::foreign_forms;
 use crate::golden::values::{Values, directions as hemisphere, of_columns, points, single};
 use crate::packs::{Numbers, unit_vector};
 use crate::sampler::{ROUNDING, SAMPLED, STEP, SamplerCase};
+use brdfc_formats::Pack;
 use brdfc_formats::bindings::FrameBlock;
 use brdfc_formats::flat_btf::factored::{BaseAngles, FactoredFlatBtf};
 use brdfc_formats::flat_btf::{
     FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerMap, Relief, SampledDirections, ShadowMap, Vdim, VdimSamples,
     ViewWeights,
 };
-use brdfc_formats::{Pack, PackKind};
 
 /// Makes layers of these sizes, and indirection maps of these sizes for a number of lights: of halves, and compact.
 type MakeRelief = (fn(Sizes) -> LayerMap, [fn(Sizes, u32) -> Vdim; 2]);
@@ -69,7 +69,7 @@ fn directions_of(decoder: &FlatBtfDecoder) -> Option<SampledDirections> {
 }
 
 /// A place, a level, a view and a light.
-fn any_query(numbers: &mut Numbers, at: usize) -> Query {
+pub(super) fn any_query(numbers: &mut Numbers, at: usize) -> Query {
     let [u, v] = [0; 2].map(|_| numbers.between(-1.0, 2.0) as f32);
     let [view, light] = [0; 2].map(|_| unit_vector(numbers)).map(|[x, y, z]| [x, y, z.abs(), 0.0]);
     [[u, v, (at % 9) as f32 / 4.0, 0.0], view, light]
@@ -79,7 +79,7 @@ fn any_query(numbers: &mut Numbers, at: usize) -> Query {
 const HAIR: f32 = 2e-6;
 
 /// Random queries, each with the value of the CPU decoder, which does not jump nearby.
-fn steady_queries(decoder: &FlatBtfDecoder) -> Vec<(Query, [f32; 3])> {
+pub(super) fn steady_queries(decoder: &FlatBtfDecoder) -> Vec<(Query, [f32; 3])> {
     let directions = directions_of(decoder);
     let value = |query: &Query| query_value(decoder, directions.as_ref(), query);
     let (mut numbers, mut steady) = (Numbers::new(14), Vec::new());
@@ -102,14 +102,18 @@ fn steady_queries(decoder: &FlatBtfDecoder) -> Vec<(Query, [f32; 3])> {
     steady
 }
 
-fn query_value(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, [a, b, c]: &Query) -> [f32; 3] {
+pub(super) fn query_value(
+    decoder: &FlatBtfDecoder,
+    directions: Option<&SampledDirections>,
+    [a, b, c]: &Query,
+) -> [f32; 3] {
     let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
     decoder.shaded(directions, [a[0], a[1]], a[2], view, light)
 }
 
 /// Error bound for a value of a flat BTF with layers of one height.
 fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, query: &Query) -> [f64; 4] {
-    let header = decoder.parts().reflectance.header();
+    let header = decoder.parts().reflectance.factors().unwrap().header();
     // Texels of the coarser of the two levels are larger, and cells of the residual are larger than texels.
     let coarser = (query[0][2].ceil() as u32).min(header.levels - 1);
     let finest = if header.residual > 0 { header.residual } else { header.size };
@@ -136,7 +140,7 @@ fn flat_bound(decoder: &FlatBtfDecoder, directions: Option<&SampledDirections>, 
 /// a step inside.
 fn table_bound(decoder: &FlatBtfDecoder, [a, b, c]: &Query) -> [f32; 3] {
     let [view, light] = [b, c].map(|v| [v[0], v[1], v[2]]);
-    let reflectance = &decoder.parts().reflectance;
+    let reflectance = decoder.parts().reflectance.factors().unwrap();
     let (_, parameters) = decoder.seen([a[0], a[1]], view, a[2]);
     let texel = reflectance.filtered(parameters, a[2]);
     let base = texel.base();
@@ -156,7 +160,7 @@ fn table_bound(decoder: &FlatBtfDecoder, [a, b, c]: &Query) -> [f32; 3] {
     most
 }
 
-fn case(
+pub(super) fn case(
     name: &str,
     decoder: &FlatBtfDecoder,
     frame: FrameBlock,
@@ -166,7 +170,8 @@ fn case(
     let bindings = decoder.bindings(directions_of(decoder).as_ref()).into_owned();
     let (queries, values): (Vec<Query>, Vec<[f32; 3]>) = answers.into_iter().unzip();
     let expected = values.into_iter().map(|value| (four(value, 0.0), 1e-2)).collect();
-    Case { name: name.to_owned(), decoder: PackKind::FlatBtf, bindings, frame, files, queries, expected }
+    let kind = decoder.parts().reflectance.kind();
+    Case { name: name.to_owned(), decoder: kind, bindings, frame, files, queries, expected }
 }
 
 /// The case of a flat BTF with layers of one height, or an indirection map of one displacement.
@@ -232,6 +237,7 @@ impl TestedCodec for FlatBtf {
         let mut numbers = Values::default();
         let decoder = &file.decoder;
         let FlatBtfParts { relief, reflectance } = decoder.parts();
+        let reflectance = reflectance.factors().expect("a file of this kind");
         relief_values(relief, &mut numbers);
         if let Some(directions) = &file.directions {
             numbers.words(directions.texels());
@@ -255,7 +261,7 @@ impl TestedCodec for FlatBtf {
     }
 }
 
-fn relief_values(relief: &Relief, numbers: &mut Values) {
+pub(super) fn relief_values(relief: &Relief, numbers: &mut Values) {
     let bytes = match relief {
         Relief::Layers(layers) => {
             let header = layers.header();
@@ -276,7 +282,7 @@ fn relief_values(relief: &Relief, numbers: &mut Values) {
 }
 
 /// A level of detail for a point, at and between mipmap levels, some beyond them.
-fn level_of(point: u32) -> f32 {
+pub(super) fn level_of(point: u32) -> f32 {
     0.3 * (point % 12) as f32 - 0.3
 }
 

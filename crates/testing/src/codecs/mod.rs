@@ -3,6 +3,7 @@
 pub mod bandwidth;
 pub mod environment;
 pub mod flat_btf;
+pub mod flat_btf_trees;
 pub mod importance;
 pub mod lobes;
 pub mod pwt;
@@ -21,6 +22,7 @@ pub fn tested(kind: PackKind) -> &'static dyn TestedCodec {
         PackKind::Table => &table::Table,
         PackKind::Wavelet => &wavelet::Wavelet,
         PackKind::FlatBtf => &flat_btf::FlatBtf,
+        PackKind::FlatBtfTrees => &flat_btf_trees::FlatBtfTrees,
         PackKind::Pwt => &pwt::Pwt,
         PackKind::Bandwidth => &bandwidth::Bandwidth,
         PackKind::Importance => &importance::Importance,

@@ -62,7 +62,7 @@ pub fn random(header: PwtHeader, seed: u64) -> PwtPack {
 }
 
 /// A header with made-up numbers: textures by level, channels and layers.
-fn any(header: PwtHeader, domain: Domain, textures: &[[u32; 3]], seed: u64) -> PwtHeader {
+pub(super) fn any(header: PwtHeader, domain: Domain, textures: &[[u32; 3]], seed: u64) -> PwtHeader {
     let mut numbers = Numbers::new(seed);
     let terms = header.basis.terms() as u32;
     let mut between = |low, high| numbers.between(low, high) as f32;
@@ -123,7 +123,7 @@ pub fn packs() -> Vec<(&'static str, PwtPack)> {
 const MAP_RANGE: f32 = 0.6;
 
 /// A header of learned terms: a map of random numbers, and the texels' components for all channels.
-fn learned(header: PwtHeader, seed: u64) -> PwtHeader {
+pub(super) fn learned(header: PwtHeader, seed: u64) -> PwtHeader {
     const SIDE: u32 = 4;
     let mut numbers = Numbers::new(seed);
     let mut number = || numbers.between(-0.5, 0.5) as f32 * MAP_RANGE;
@@ -156,7 +156,7 @@ fn queries() -> Vec<Query> {
 }
 
 /// Error bound for a colour of a tree at a place, view and light: that of three views, by their weights.
-fn bound(decoder: &PwtDecoder, query: &Query) -> [f64; 4] {
+pub(super) fn bound(decoder: &PwtDecoder, query: &Query) -> [f64; 4] {
     let [_, _, c] = query;
     let (views, shares) = decoder.pack().header().seen([c[0], c[1], c[2]]);
     let mut bounds = [0.0; 4];

@@ -8,7 +8,7 @@ use super::maps::{ResidualMap, WeightMap};
 use crate::FormatError;
 use crate::container::rgb9e5;
 use crate::flat_btf::flat_view::{FlatHeader, FlatView, unit_vectors};
-use crate::flat_btf::view_weights::{BlendedDirection, ViewWeights};
+use crate::flat_btf::view_weights::{BlendedDirection, ViewWeights, raised};
 use crate::tap::{footprint, periodic_tap, wrap};
 
 const MAX_COMPONENTS: usize = MAX_GROUPS as usize * GROUP;
@@ -312,14 +312,4 @@ impl FactoredFlatBtf {
         let all = [opponent[0] + sum[0], opponent[1] + sum[1], opponent[2] + sum[2]];
         from_opponent(self.header().chroma.bound(all))
     }
-}
-
-/// Raises a direction to the height `lowest` if it is lower, with the same azimuth.
-fn raised([x, y, z]: [f32; 3], lowest: f32) -> [f32; 3] {
-    let length = (x * x + y * y).sqrt();
-    if z >= lowest || length <= 0.0 {
-        return [x, y, z];
-    }
-    let scale = (1.0 - lowest * lowest).sqrt() / length;
-    [x * scale, y * scale, lowest]
 }

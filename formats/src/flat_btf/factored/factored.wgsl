@@ -132,7 +132,7 @@ fn factored_value(
             sum += weight * factored_pair(views.indices[v], lights.indices[l]);
         }
     }
-    let colour = factored_base_colour(base, view, factored_raised(light));
+    let colour = factored_base_colour(base, view, flat_btf_raised(light, factored_parameters.lowest_light));
     return factored_from_opponent(factored_bounded(factored_to_opponent(colour) + sum));
 }
 
@@ -154,17 +154,6 @@ fn factored_shadowed(
     let scaled = roots * (255.0 / 180.0);
     let shares = scaled * scaled;
     return value * (lit * shares.x) + base.diffuse * ((1.0 - lit) * shares.y);
-}
-
-// Raises a light to the height of the lowest sampled light if it is lower, with the same azimuth.
-fn factored_raised(light: vec3<f32>) -> vec3<f32> {
-    let lowest = factored_parameters.lowest_light;
-    let length = sqrt(light.x * light.x + light.y * light.y);
-    if light.z >= lowest || length <= 0.0 {
-        return light;
-    }
-    let scale = sqrt(1.0 - lowest * lowest) / length;
-    return vec3<f32>(light.x * scale, light.y * scale, lowest);
 }
 
 // Decodes the two layers of the base.

@@ -22,10 +22,10 @@ pub use basis::BasisMap;
 pub(super) use decode::Place;
 pub use decode::{FactoredFlatBtf, FactoredTexel};
 pub use domain::{ChromaRange, cube_root, from_opponent, to_opponent};
-pub(super) use header::RESIDUAL_FORMAT;
 pub use header::{
     BASE_LAYERS, DIFFERENCE_ANGLES, FactoredErrors, FactoredHeader, GROUP, HALF_ANGLES, MAX_BASE, MAX_GROUPS,
     MAX_MATERIALS,
 };
+pub(super) use header::{FACTORED, RESIDUAL_FORMAT};
 pub(super) use maps::ByteLayers;
 pub use maps::{ResidualMap, WeightMap, WeightRange};

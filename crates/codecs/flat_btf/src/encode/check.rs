@@ -10,6 +10,7 @@ use brdfc_formats::container::MAX_EXTENT_2D;
 use brdfc_formats::direction_mesh::DirectionMesh;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::{FlatHeader, VdimHeader};
+use brdfc_formats::pwt::MAX_VIEWS;
 use std::f32::consts::TAU;
 
 /// Maximum memory of a recipe, in bytes.
@@ -27,6 +28,8 @@ const MAX_OVERSAMPLING: u32 = 16;
 const _: () = assert!(MAX_TEXELS <= MAX_EXTENT_2D);
 /// Bytes per texel and light of a view in progress: the value as floats, packed, and as scratch bytes.
 const VALUE_BYTES: u64 = 12;
+/// Bytes per texel, view and light of trees: the value, and its channels while they are fitted.
+const TREE_BYTES: u64 = 32;
 /// Maximum number of views in memory at once.
 const MAX_VIEWS_AT_ONCE: usize = 8;
 
@@ -54,10 +57,14 @@ impl FlattenRecipe {
         let header = self.header(0);
         header.check()?;
         self.check_relief()?;
+        if self.reflectance == Reflectance::Pwt {
+            FormatError::check_range("views of trees", self.views.len(), 1..=MAX_VIEWS as usize)?;
+        }
         let least = least_bytes(self.flat_texels as u32);
         let may_be_brdf = self.reflectance == Reflectance::Auto && self.bounces == 0;
         let fits = |target| !matches!(target, FactoredTarget::Bytes(most) if most < least);
-        if self.reflectance != Reflectance::Brdf && !(may_be_brdf && fits(self.target)) {
+        let may_be_factors = matches!(self.reflectance, Reflectance::Auto | Reflectance::Factors);
+        if may_be_factors && !(may_be_brdf && fits(self.target)) {
             let with_brdf = |error: FormatError| match self.target {
                 // Either form would do: the smaller one is the least.
                 FactoredTarget::Bytes(most) if may_be_brdf && FactoredTarget::Bytes(least).check(&header).is_err() => {
@@ -128,10 +135,13 @@ impl FlattenRecipe {
         if self.reflectance == Reflectance::Brdf {
             return texels * TEXEL_BYTES + layers;
         }
-        // Factors are computed after all views.
-        let factors = FactoredRecipe::new(self.target).memory(&self.header(0));
+        // Factors and trees are computed after all views.
+        let after = match self.reflectance {
+            Reflectance::Pwt => texels * lights * views * TREE_BYTES,
+            _ => FactoredRecipe::new(self.target).memory(&self.header(0)),
+        };
         texels * (TEXEL_BYTES + views)
-            + (texels * lights * per_light).max(factors)
+            + (texels * lights * per_light).max(after)
             + layers
             + Bounces::bytes(texels as usize, self.bounces, self.lights.len())
     }

@@ -16,6 +16,8 @@ pub enum Reflectance {
     Brdf,
     /// Components of sampled views and lights in addition.
     Factors,
+    /// Polynomial wavelet trees of sampled views (Baril et al. 2008).
+    Pwt,
 }
 
 /// Form of the relief.

@@ -23,7 +23,7 @@ pub struct AssetReport {
     /// Sheets of the layers, and what they leave out; absent for an indirection map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<LayerReport>,
-    /// Form of the reflectance that was chosen: `brdf` or `factors`.
+    /// Form of the reflectance that was chosen: `brdf`, `factors` or `pwt`.
     pub reflectance: Reflectance,
     /// Mean share of texels that a view sees, 0 to 1; absent for `brdf`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,11 +33,12 @@ pub struct AssetReport {
     pub never_seen: Option<usize>,
     /// Colour errors of the decoded asset.
     pub errors: AssetErrors,
-    /// Mipmap levels with tables of their own; empty for `factors`.
+    /// Mipmap levels with tables of their own; empty for `factors` and `pwt`.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub far: Vec<FarLevel>,
-    /// Number of components, and their errors.
-    pub factored: FactoredFacts,
+    /// Number of components, and their errors; absent for `pwt`.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub factored: Option<FactoredFacts>,
 }
 
 /// Errors against the surface or the input images. Computed BTFs with light of one bounce have none, because the

@@ -1,11 +1,17 @@
 //! Views pass through scratch storage unchanged, and storage errors stop the work.
 
+use super::scratch::ScratchViews;
+use super::work::visibility_mask;
 use super::*;
-use crate::factored::FactoredTarget;
+use crate::factored::{FactoredRecipe, FactoredTarget, factor};
 use crate::fill::FillMethod;
+use crate::light_field::visible_from_each;
 use crate::probes::{Place, Probes, direct_radiance, unshadowed_radiance};
+use crate::surface::Appearance;
 use crate::testing::{Patience, bumps};
+use crate::texels::texel_surface;
 use brdfc_core::address::parse_synth;
+use brdfc_formats::direction::Vector;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_formats::flat_btf::FlatView;
 
@@ -78,8 +84,8 @@ fn factors_are_fitted_to_the_stored_views() {
     let coordinates = &found.model.parameterisation.coordinates;
     let surface = texel_surface(&found.model.mesh, coordinates, recipe.flat_texels, |_| Default::default());
     let expected = factor(&FactoredRecipe::new(recipe.target), &surface.normals, &mask, None, view, &()).unwrap();
-    assert!(found.decoder.parts().reflectance == expected.asset);
-    assert_eq!(found.report.factored, expected.facts);
+    assert!(found.decoder.parts().reflectance == expected.asset.into());
+    assert_eq!(found.report.factored, Some(expected.facts));
 }
 
 /// Known materials need no views: nothing is written to scratch storage.
@@ -87,7 +93,7 @@ fn factors_are_fitted_to_the_stored_views() {
 fn known_materials_write_no_scratch() {
     let (known, scratch) = whole(&FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() });
     let (factors, _) = whole(&recipe());
-    let header = known.decoder.parts().reflectance.header();
+    let header = known.decoder.parts().reflectance.factors().unwrap().header();
     assert_eq!((header.groups, header.materials, header.views.len()), (0, 1, 0));
     assert!(known.report.seen.is_none() && factors.report.seen.is_some());
     assert_eq!(known.decoder.parts().relief, factors.decoder.parts().relief);
@@ -98,9 +104,10 @@ fn known_materials_write_no_scratch() {
 #[test]
 fn phong_lobes_have_tables_over_mirror_angles() {
     let (made, _) = whole(&FlattenRecipe { reflectance: Reflectance::Brdf, ..recipe() });
-    let reflectance = &made.decoder.parts().reflectance;
+    let reflectance = made.decoder.parts().reflectance.factors().unwrap();
     assert_eq!(reflectance.header().axes, 1);
-    assert!(made.report.factored.errors.seen_mean < 0.1, "{:?}", made.report.factored.errors);
+    let errors = made.report.factored.unwrap().errors;
+    assert!(errors.seen_mean < 0.1, "{errors:?}");
 }
 
 /// Mean radiance of each level, and of the surface without shadows and with them, under low light.

@@ -57,7 +57,7 @@ pub fn with_heights(parts: &FlatBtfParts, factor: f32) -> FlatBtfParts {
 
 /// The same parts without mipmaps.
 pub fn without_mipmaps(parts: &FlatBtfParts) -> FlatBtfParts {
-    let (layers, reflectance) = (layers_of(parts), &parts.reflectance);
+    let (layers, reflectance) = (layers_of(parts), parts.reflectance.factors().unwrap());
     let header = FactoredHeader { levels: 1, ..reflectance.header().clone() };
     let (size, texels) = (header.size, (header.size * header.size) as usize);
     let weights = reflectance.weights();

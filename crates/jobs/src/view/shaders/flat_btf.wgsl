@@ -1,4 +1,4 @@
-// Draws flat BTFs on a page.
+// Draws flat BTFs on a page. Appended to `flat/cover.wgsl` and `flat/factors.wgsl` or `flat/trees.wgsl` of the renderer.
 
 // On back faces v is negated, so that it follows the bitangent there, too.
 fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
@@ -6,19 +6,20 @@ fn placed(uv: vec2<f32>, front: bool) -> vec2<f32> {
 }
 
 fn level_at(distance: f32, right: vec2<f32>, below: vec2<f32>) -> f32 {
-    return factored_mipmap_level(right, below);
+    return relief_level(right, below);
 }
 
-var<private> flat_btf_seen_here: FlatBtfLook;
+var<private> relief_seen_here: ReliefLook;
 
 fn looked(in: Varying, front: bool, frame: mat3x3<f32>, uv: vec2<f32>, level: f32, wo: vec3<f32>) -> Look {
     let surface = covered_surface(in, front, frame, uv);
-    let look = flat_btf_look(uv, level, wo, surface.flat_btf);
-    flat_btf_seen_here = look;
-    let at = in.position + frame * (surface.side * flat_btf_offset(look));
-    return Look(at, surface.is_hidden || flat_btf_passes(look) || is_outside(surface, look), true);
+    let look = relief_look(uv, level, wo, surface.flat_btf);
+    relief_seen_here = look;
+    let sight = relief_sight(look);
+    let at = in.position + frame * (surface.side * flat_btf_sight_offset(sight));
+    return Look(at, surface.is_hidden || flat_btf_sight_passes(sight) || is_outside(surface, sight), true);
 }
 
 fn reflected(uv: vec2<f32>, level: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec3<f32> {
-    return flat_btf_shade(flat_btf_seen_here, wi) / PI;
+    return relief_shade(relief_seen_here, wi) / PI;
 }

@@ -10,7 +10,7 @@ use brdfc_formats::flat_btf::factored::{
 };
 use brdfc_formats::flat_btf::{
     BlendedDirection, CompactSamples, FlatBtfDecoder, FlatBtfFile, FlatBtfParts, LayerHeader, LayerMap, Relief,
-    SeenPoint, ShadowMap, Vdim, VdimHeader, VdimSamples, ViewWeights,
+    SeenPoint, ShadowMap, StoredReflectance, Vdim, VdimHeader, VdimSamples, ViewWeights,
 };
 use std::f32::consts::FRAC_PI_2;
 
@@ -363,7 +363,7 @@ pub fn example_layers() -> LayerMap {
 }
 
 /// A file of these parts.
-pub fn file(layers: LayerMap, reflectance: FactoredFlatBtf) -> FlatBtfFile {
+pub fn file(layers: LayerMap, reflectance: impl Into<StoredReflectance>) -> FlatBtfFile {
     FlatBtfFile::new(FlatBtfDecoder::new(FlatBtfParts::new(layers, reflectance))).unwrap()
 }
 
@@ -420,7 +420,10 @@ pub fn set_word(file: &mut PackFile, key: &str, offset: usize, word: u32) {
 pub fn survives(bytes: &[u8]) -> bool {
     let Ok(file) = FlatBtfFile::from_bytes(&sealed(bytes.to_vec())) else { return false };
     let decoder = &file.decoder;
-    let asset = &decoder.parts().reflectance;
+    let asset = match &decoder.parts().reflectance {
+        StoredReflectance::Factors(asset) => asset,
+        StoredReflectance::Trees(_) => return survives_of_trees(decoder),
+    };
     let (views, lights) = (asset.header().views.len() as u32, asset.header().lights.len() as u32);
     for (k, (uv, detail)) in (0..).zip([([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)]) {
         let (point, parameters) = decoder.seen(uv, TOWARDS[k as usize], detail);
@@ -436,6 +439,17 @@ pub fn survives(bytes: &[u8]) -> bool {
             values.extend(decoder.value(uv, detail, towards(nothing(k)), towards(nothing(k + 1))));
         }
         assert!(values.iter().all(|c| (0.0..3e5).contains(c)), "{values:?}");
+    }
+    true
+}
+
+/// [`survives`] of trees.
+fn survives_of_trees(decoder: &FlatBtfDecoder) -> bool {
+    for (uv, detail) in [([0.1, 0.9], 0.0), ([1.3, -0.2], 0.6), ([0.5, 0.5], 7.0)] {
+        for (view, light) in TOWARDS.into_iter().zip(TOWARDS.into_iter().rev()) {
+            let value = decoder.shaded(None, uv, detail, view, light);
+            assert!(value.iter().all(|c| (0.0..3e5).contains(c)), "{value:?}");
+        }
     }
     true
 }
