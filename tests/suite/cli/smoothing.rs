@@ -143,3 +143,17 @@ fn builds_smooth_what_their_manifest_says() {
     };
     assert!(drawn_source("smooth = 4") != drawn_source(""));
 }
+
+/// Builds check settings before any work. A radius for all materials is for tables, and a scan's own one is an error.
+#[test]
+fn builds_check_settings() {
+    let folder = inputs();
+    let refused = folder.run(&["build", "scan.csv", "--neighbours", "0"]);
+    assert!(refused.code == 2 && refused.stderr.contains("--neighbours: found 0"), "{refused:?}");
+    let built = folder.run(&["build", "noisy.binary", "scan.csv", "--smooth", "4", "--max-bytes", "2048", "--quiet"]);
+    assert_eq!(built.code, 0, "{built:?}");
+    let own = "[materials.a]\nsource = 'scan.csv'\nsmooth = 4\n[[uses]]\nmaterial = 'a'\n";
+    folder.write("scene.toml", own);
+    let refused = folder.run(&["build", "scene.toml", "--out", "other"]);
+    assert!(refused.code != 0 && refused.stderr.contains("smooth: found 4"), "{refused:?}");
+}
