@@ -79,7 +79,7 @@ fn all_commands_take_the_file() {
     #[cfg(feature = "render")]
     if crate::common::has_adapter() {
         let drawn = folder.run(&["render", "trees", "--size", "24x24", "--json"]).succeeded().json();
-        assert_eq!(drawn["parts"][0]["name"], "trees (pwt)", "{drawn}");
+        assert_eq!(drawn["parts"][0]["material"], "trees (pwt)", "{drawn}");
     }
 }
 
