@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn settings_are_distinct() {
         let all = settings(false);
-        assert_eq!(all.len(), 2 * 8 + 3 * 2 * 2 * 6 + 6);
+        assert_eq!(all.len(), 2 * 8 + 3 * 2 * 6 + 6);
         assert!((1..all.len()).all(|k| !all[..k].contains(&all[k])));
         assert!(settings(true).iter().all(|recipe| all.contains(recipe)));
         let PackRecipe::Wavelet(last) = &all[all.len() - 1] else { panic!("{all:?}") };
