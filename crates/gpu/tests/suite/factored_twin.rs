@@ -273,7 +273,7 @@ const CHANGES: [(&str, &str); 51] = [
     ("min(0.5 * length, 1.0)", "min(0.501 * length, 1.0)"),
     ("slopes.xz + slopes.yw", "slopes.xz"),
     ("scale - 1.0)", "scale - 0.999)"),
-    ("light.z >= lowest", "light.z >= 0.0"),
+    ("flat_btf_raised(light, factored_parameters.lowest_light)", "light"),
     ("lights.weights[l] * factored_residual", "lights.weights.x * factored_residual"),
 ];
 
