@@ -11,6 +11,7 @@ mod arc_tangent;
 pub mod bandwidth;
 pub mod bindings;
 mod brdf_pack;
+mod combined;
 pub mod container;
 pub mod crop;
 pub mod cursor;
@@ -37,6 +38,7 @@ pub mod wavelet;
 pub mod words;
 
 pub use brdf_pack::{Brdf, BrdfDecoder};
+pub use combined::combined_wgsl;
 pub use descriptor::{Answer, BrdfShader, Descriptor, StructAnswer};
 pub use error::{Finding, FormatError, Place};
 pub use error_summary::{ErrorSummary, RenderingSummary};

@@ -3,7 +3,7 @@
 
 use super::bindings::{IMAGE, INTEGERS, LAYERS, SAMPLER, Slots, UNFILTERED, UNIFORM, VOLUME};
 use super::device::Gpu;
-use brdfc_formats::bindings::combined_wgsl;
+use brdfc_formats::combined_wgsl;
 use brdfc_formats::{BrdfShader, PackKind};
 use brdfc_shaders::{BindingKind, Generated};
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@ mod frame;
 mod text;
 
 pub use file::PackFile;
-pub use frame::{FRAME_SLOT, FRAME_WGSL, FrameBlock, combined_wgsl};
+pub use frame::{FRAME_SLOT, FRAME_WGSL, FrameBlock};
 
 use crate::container::{Extent, TexelFormat};
 use std::borrow::Cow;

@@ -23,6 +23,9 @@ pub(super) const DECODER: (&str, u32) = ("flat-btf", 6);
 /// see the file.
 pub const FLAT_BTF_WGSL: &str = concat!(include_str!("../bindings/frame.wgsl"), include_str!("decoder.wgsl"));
 
+/// WGSL of these rays alone, which follows the frame block.
+pub(crate) const RELIEF_WGSL: &str = include_str!("decoder.wgsl");
+
 /// WGSL of indirection maps.
 pub(crate) const VDIM_WGSL: &str = concat!(include_str!("vdim.wgsl"), arc_tangent_wgsl!("flat_btf", "FLAT_BTF"));
 

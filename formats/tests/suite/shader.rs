@@ -2,7 +2,8 @@
 //! calls only functions that browsers accept.
 
 use brdfc_formats::PackKind;
-use brdfc_formats::bindings::{FRAME_WGSL, FrameBlock, combined_wgsl};
+use brdfc_formats::bindings::{FRAME_WGSL, FrameBlock};
+use brdfc_formats::combined_wgsl;
 use brdfc_formats::crop::{Crop, DirectionRange, Window};
 use brdfc_formats::direction::Parameterisation;
 use brdfc_formats::flat_btf::shader::{FLAT_BTF_WGSL, FlatBtfParameters};

@@ -160,7 +160,7 @@ const REFLECTANCES: [(&str, Reflectance, &str); 4] = [
     (
         "pwt",
         Reflectance::Pwt,
-        "Polynomial wavelet trees of all views, which are in memory at once: for --texels of 128 or fewer views",
+        "Polynomial wavelet trees of all views, which are in memory at once: with the default views, for --flat-texels up to 128",
     ),
 ];
 const IMAGE_FORMATS: [(&str, StackFormat, &str); 2] = [("png", StackFormat::Png, ""), ("exr", StackFormat::Exr, "")];

@@ -39,12 +39,6 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let Values::Measured(stack) = &surface.values {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
     }
-    recipe.check().map_err(|error| Error::usage(by_flags(&error)))?;
-    make_folder(&arguments.out)?;
-    for folder in [&arguments.write_images, &arguments.write_flat].into_iter().flatten() {
-        make_folder(folder)?;
-    }
-    let steps = Steps::new(common, interrupt::watch()?);
     let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob {
@@ -56,6 +50,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         images,
         raw: arguments.write_flat.as_deref(),
     };
+    job.check().map_err(|error| Error::usage(by_flags(&error)))?;
+    make_folder(&arguments.out)?;
+    for folder in [&arguments.write_images, &arguments.write_flat].into_iter().flatten() {
+        make_folder(folder)?;
+    }
+    let steps = Steps::new(common, interrupt::watch()?);
     let asset = flatten(job, &steps)?;
     drop(steps);
     for line in remarks(&asset.about) {

@@ -58,13 +58,14 @@ pub(super) fn magnified(panel: &Panel, times: usize) -> Panel {
 }
 
 #[cfg(test)]
+pub(super) fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
+    let start = 3 * (y * panel.width + x);
+    panel.rgb[start..start + 3].try_into().unwrap()
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
-
-    fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
-        let start = 3 * (y * panel.width + x);
-        panel.rgb[start..start + 3].try_into().unwrap()
-    }
 
     #[test]
     fn what_a_view_does_not_see_is_blue() {

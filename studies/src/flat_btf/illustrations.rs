@@ -132,26 +132,25 @@ fn displacements(map: &Vdim) -> Panel {
 
 fn layout(map: &Vdim) -> Panel {
     let header = map.header();
-    let [polar, rows] = [header.polar_angles, header.azimuth_rows].map(|count| count as usize);
+    let [size, polar, rows] = [header.size, header.polar_angles, header.azimuth_rows].map(|count| count as usize);
+    let width = size * polar;
     let VdimSamples::Halves(packed) = map.samples() else { unreachable!("a map that is not compact") };
     let packed: Vec<[f32; 4]> = packed.iter().map(|texel| texel.map(half::decode)).collect();
     let longest = packed.iter().fold(f32::MIN_POSITIVE, |most, texel| most.max(texel[2]));
     let colours: Vec<[u8; 3]> =
         packed.iter().map(|[x, y, d, _]| [0.5 + 0.5 * x, 0.5 + 0.5 * y, d / longest].map(byte)).collect();
-    let width = header.size as usize * polar;
     let at = |x: usize, y: usize| colours[y * width + x];
-    // The block with the longest displacement, which has a silhouette.
+    let texel_of = |block: usize, k: usize| [block % size * polar + k % polar, block / size * rows + k / polar];
+    // The block with the longest displacements, which has a silhouette.
     let total = |block: &usize| {
-        let [i, j] = [block % header.size as usize, block / header.size as usize];
-        (0..polar * rows).map(|k| packed[(j * rows + k / polar) * width + i * polar + k % polar][2]).sum::<f32>()
+        let lengths = (0..polar * rows).map(|k| texel_of(*block, k)).map(|[x, y]| packed[y * width + x][2]);
+        lengths.sum::<f32>()
     };
-    let count = (header.size * header.size) as usize;
-    let block = (0..count).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
-    let [i, j] = [block % header.size as usize, block / header.size as usize];
-    let one = (0..polar * rows).map(|k| at(i * polar + k % polar, j * rows + k / polar)).collect::<Vec<_>>();
+    let block = (0..size * size).max_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or(0);
+    let one = (0..polar * rows).map(|k| texel_of(block, k)).map(|[x, y]| at(x, y)).collect::<Vec<_>>();
     // Each pixel is the mean of as many texels as make both panels equally large. Texels that are left over are cut off.
-    let reduced = (header.size as usize / BLOCKS).max(1);
-    let [across, down] = [polar, rows].map(|count| header.size as usize / reduced * count);
+    let reduced = (size / BLOCKS).max(1);
+    let [across, down] = [polar, rows].map(|count| size / reduced * count);
     let mean = |k: usize| {
         let texels =
             (0..reduced * reduced).map(|n| at(k % across * reduced + n % reduced, k / across * reduced + n / reduced));
@@ -209,13 +208,9 @@ fn encoded(value: [f32; 3]) -> [u8; 3] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::figures::pixel;
     use super::*;
     use brdfc_flat_btf::structures::Structure;
-
-    fn pixel(panel: &Panel, [x, y]: [usize; 2]) -> [u8; 3] {
-        let start = 3 * (y * panel.width + x);
-        panel.rgb[start..start + 3].try_into().unwrap()
-    }
 
     #[test]
     fn the_first_row_of_a_square_is_the_lowest() {

@@ -365,6 +365,18 @@ fn options_change_what_they_say() {
     assert_eq!(directions(lit.reflectance.factors().unwrap().header()), (7, 5));
 }
 
+/// Images of a raw flat BTF that do not fit into memory are an error before any work.
+#[test]
+fn a_raw_flat_btf_may_be_too_large() {
+    let folder = Folder::new();
+    let sets = ["--views", "grid:32x64@80", "--lights", "grid:32x64@80", "--flat-texels", "1024"];
+    let flatten =
+        ["flatten", "synth:button?resolution=16", "-o", "out", "--reflectance", "brdf", "--write-flat", "raw"];
+    let refused = folder.run(&[&flatten[..], &sets].concat());
+    assert!(refused.code == 2 && refused.stderr.contains("memory: found"), "{refused:?}");
+    assert!(!folder.path().join("raw").exists() && !folder.path().join("out").exists());
+}
+
 /// The raw flat BTF: texels that a view sees hold the surface's values, and a displaced reference leads to what it sees.
 #[test]
 fn the_raw_flat_btf_goes_out() {

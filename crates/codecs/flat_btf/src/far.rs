@@ -7,7 +7,7 @@
 
 use crate::factored::FactorError;
 use crate::model::MesoModel;
-use crate::probes::{direct_radiance, unshadowed_radiance};
+use crate::probes::{Place, direct_radiance};
 use crate::surface::Appearance;
 use brdfc_core::progress::Progress;
 use brdfc_formats::FormatError;
@@ -137,7 +137,7 @@ fn rays(
     let side = f64::from((reflectance.header().size >> level).max(1));
     let detail = level as f32;
     // Tables must not add shadows to a relief without them.
-    let radiance = if decoder.parts().relief.casts_shadows() { direct_radiance } else { unshadowed_radiance };
+    let shadows = decoder.parts().relief.casts_shadows();
     let one = |k: usize| {
         let [x, y, across, down, cosine, azimuth, a, b] = evenly::<8>(k, ROOT_OF_8);
         let view = from_polar((LEAST_COSINE + (1.0 - LEAST_COSINE) * cosine).acos(), TAU * azimuth);
@@ -149,7 +149,7 @@ fn rays(
         // Of the two texels per side that a pixel of the level covers (`factored_mipmap_level`), one: normals between texels
         // are filtered, too, and with both, tables are too blurred for pixels of several samples.
         let at = [x + (across - 0.5) / side, y + (down - 0.5) / side];
-        let truth = radiance(model, appearance, at, view, light).map(f64::from);
+        let truth = direct_radiance(model, appearance, Place { at, view, light }, shadows).map(f64::from);
         let [view, light] = [view, light].map(|v| v.map(|c| c as f32));
         let look = decoder.look([x as f32, y as f32], detail, view, MacroSurface::PLANE);
         let (base, lit) = (look.texel().expect(FACTORS).base(), look.reached(directions, light));

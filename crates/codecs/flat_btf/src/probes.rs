@@ -1,7 +1,7 @@
 //! Errors of a decoded asset at random points of the reference plane.
 
 use super::model::MesoModel;
-use super::surface::{Appearance, SurfacePoint};
+use super::surface::Appearance;
 use brdfc_formats::direction::{Vector, dot, from_polar};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_metrics::lab::{distance_squared, lab};
@@ -108,37 +108,16 @@ pub fn random_between(all: &[Vector], random: &mut ChaCha8Rng) -> Vector {
     from_polar(z.acos(), TAU * random.random::<f64>())
 }
 
-/// Relative radiance of the surface behind a point of the reference plane: direct light with cast shadows.
+/// Relative radiance of the surface behind a point of the reference plane under direct light, with cast shadows or without:
+/// then all parts that face the light are lit.
 pub fn direct_radiance(
     model: &MesoModel,
     appearance: &Appearance,
-    at: [f64; 2],
-    view: Vector,
-    light: Vector,
-) -> [f32; 3] {
-    radiance(model, appearance, Place { at, view, light }, |point| model.caster.sees_sky(point, light))
-}
-
-/// Same as [`direct_radiance`] for a surface that casts no shadows: all parts that face the light are lit.
-pub fn unshadowed_radiance(
-    model: &MesoModel,
-    appearance: &Appearance,
-    at: [f64; 2],
-    view: Vector,
-    light: Vector,
-) -> [f32; 3] {
-    radiance(model, appearance, Place { at, view, light }, |_| true)
-}
-
-/// Relative radiance behind a point; `is_reached` tells whether the light arrives at a part that faces it.
-fn radiance(
-    model: &MesoModel,
-    appearance: &Appearance,
     Place { at, view, light }: Place,
-    is_reached: impl Fn(&SurfacePoint) -> bool,
+    shadows: bool,
 ) -> [f32; 3] {
     let point = model.point(&model.seen(at, view).hit);
-    if dot(point.normal, light) > 0.0 && is_reached(&point) {
+    if dot(point.normal, light) > 0.0 && (!shadows || model.caster.sees_sky(&point, light)) {
         appearance.relative_radiance(&point, view, light)
     } else {
         [0.0; 3]

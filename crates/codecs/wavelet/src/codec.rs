@@ -2,7 +2,7 @@
 
 use super::crop::{needed_coefficients, window};
 use super::encode::{self, check, encode_tabulated};
-use super::energy::{needed_in_trees, slices_of_trees};
+use super::energy::{needed_in_trees, slices_of_pack};
 use super::measure::GridError;
 use super::recipe::{Ranking, Recipe, Target};
 use super::table::Grid;
@@ -131,7 +131,7 @@ impl BrdfRecipe for Recipe {
         let (all, trees) = (needed[..stored].iter().filter(|needed| **needed).count(), needed_in_trees(&grey, &needed));
         // Slices that no look-up within the directions reads are dropped.
         let bytes = |header: &Header, retained: usize| {
-            gpu_bytes(header, window, 1 + retained.min(all) + slices_of_trees(&trees, [retained, stored]))
+            gpu_bytes(header, window, slices_of_pack(retained.min(all), &trees, [retained, stored]))
         };
         // The zero slice, and the scaling coefficient of each tree.
         let smallest = gpu_bytes(&grey, window, 2 + grey.trees() as usize);
@@ -240,7 +240,7 @@ impl Encode for Recipe {
         let bytes = |header: &Header| {
             let stored = 1 << (2 * header.stored_levels);
             let (retained, trees) = (all.min(stored), needed_in_trees(header, &vec![true; stored]));
-            gpu_bytes(header, window, 1 + retained + slices_of_trees(&trees, [retained, stored]))
+            gpu_bytes(header, window, slices_of_pack(retained, &trees, [retained, stored]))
         };
         Some(bytes(&whole) - bytes(&stored))
     }

@@ -1,7 +1,7 @@
 //! The encoder of wavelet packs, as a sequence of stages.
 
 use super::crop::{crop, needed_coefficients, window};
-use super::energy::{means, needed_in_trees, padded, slices_of_tree, slices_of_trees};
+use super::energy::{means, needed_in_trees, padded, slices_of_pack, slices_of_tree};
 use super::log_encode::{LogEncoding, log_encode};
 use super::measure::{GridError, grid_error};
 use super::quantise::quantise;
@@ -53,8 +53,7 @@ pub(super) fn check(recipe: &Recipe) -> Result<(), EncodeError> {
     let most = 1usize << (2 * recipe.stored_levels);
     if let Target::Ratio(ratio) = recipe.target {
         let needs = Needs::new(&recipe.header(1, 1.0, 1.0), recipe);
-        let retained = ratio_count(recipe.grid().cells(), ratio, most);
-        let found = 1 + retained + slices_of_trees(&needs.in_trees, [retained, most]);
+        let found = needs.slices(ratio_count(recipe.grid().cells(), ratio, most), most);
         if found > MAX_SLICES {
             return Err(EncodeError::Size {
                 field: "ratio",
@@ -84,9 +83,11 @@ pub fn encode_tabulated(
     start(Stage::LogEncode)?;
     let encoding = LogEncoding::of(table, recipe.bias);
     let header = recipe.header(table.channels() as u32, encoding.mean as f32, encoding.bias as f32);
-    let of_level = |level: u32| log_encode(&means(table, level), encoding);
     let is_cut = header.energy_preserving && header.stored_levels < header.levels;
-    let logarithms = if is_cut { of_level(header.stored_levels) } else { log_encode(table, encoding) };
+    let logarithms = match is_cut {
+        true => log_encode(&means(table, header.stored_levels), encoding),
+        false => log_encode(table, encoding),
+    };
     let samples_of_trees: Vec<Table> = (0..header.trees()).map(|level| means(table, level)).collect();
 
     start(Stage::Haar)?;
@@ -116,7 +117,7 @@ pub fn encode_tabulated(
     start(Stage::Quantise)?;
     let chosen = std::iter::once((&coefficients, &slices)).chain(trees.iter().zip(&slices_of_trees));
     let mut pack = assemble(chosen, header);
-    drop((coefficients, trees));
+    drop((coefficients, trees, samples_of_trees));
 
     start(Stage::MeasureOnGrid)?;
     let on_grid = grid_error(table, &WaveletDecoder::new(&pack), recipe.directions);
@@ -167,7 +168,7 @@ impl Needs {
 
     /// Number of slices of a pack whose finest tree keeps `retained` of `of` coefficients.
     fn slices(&self, retained: usize, of: usize) -> usize {
-        1 + retained + slices_of_trees(&self.in_trees, [retained, of])
+        slices_of_pack(retained, &self.in_trees, [retained, of])
     }
 
     /// Maximum number of slices of the finest tree.

@@ -60,9 +60,10 @@ pub fn slices_of_tree(needed: usize, [retained, of]: [usize; 2]) -> usize {
     (needed * retained).div_ceil(of).clamp(needed.min(retained).min(FEWEST), needed)
 }
 
-/// Number of slices of all trees but the finest, see [`slices_of_tree`] and [`needed_in_trees`].
-pub fn slices_of_trees(needed: &[usize], share: [usize; 2]) -> usize {
-    needed.iter().map(|needed| slices_of_tree(*needed, share)).sum()
+/// Number of slices of a pack: the zero slice, `finest` of the finest tree, and the share of the others, see
+/// [`slices_of_tree`] and [`needed_in_trees`].
+pub fn slices_of_pack(finest: usize, needed: &[usize], share: [usize; 2]) -> usize {
+    1 + finest + needed.iter().map(|needed| slices_of_tree(*needed, share)).sum::<usize>()
 }
 
 /// `∫ cos θ_o dω = ∫ sin² φ dφ ∫ sin θ dθ` over each cell of the outgoing hemisphere.
@@ -133,7 +134,7 @@ mod tests {
         assert_eq!(of(1024), [1, 4, 16, 64, 256]);
         assert_eq!(of(8), [1, 4, 8, 8, 8]);
         assert_eq!(of(1), [1; 5]);
-        assert_eq!(slices_of_trees(&trees, [256, 1024]), 101);
+        assert_eq!(slices_of_pack(256, &trees, [256, 1024]), 1 + 256 + 101);
         // Without the coefficients that no look-up reads.
         assert_eq!(slices_of_tree(32, [72, 72]), 32);
         assert_eq!(slices_of_tree(32, [36, 72]), 16);

@@ -12,6 +12,7 @@ use crate::store::{Staging, placing};
 use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
 use brdfc_flat_btf::encode::{EncodeError, FlatInput, FlattenRecipe, Reflectance, ValueSource, encode, encode_trees};
+use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_pwt::PwtFacts;
 use std::path::Path;
@@ -34,15 +35,24 @@ pub struct FlattenJob<'a> {
     pub raw: Option<&'a Path>,
 }
 
+impl FlattenJob<'_> {
+    /// Checks the recipe, and that the images of a raw flat BTF fit into memory.
+    ///
+    /// # Errors
+    /// Returns the first value that is out of range.
+    pub fn check(&self) -> Result<(), FormatError> {
+        self.recipe.check()?;
+        if self.raw.is_some() { self.recipe.check_images() } else { Ok(()) }
+    }
+}
+
 /// Makes a flat BTF and writes `NAME.ktx2`. Stores values of views temporarily in the folder.
 ///
 /// # Errors
 /// Returns an error if the recipe is invalid, the surface cannot be flattened, or a file cannot be read or written. An existing
 /// file of that name then stays unchanged.
 pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Error> {
-    if job.raw.is_some() {
-        job.recipe.check_images().map_err(Error::input)?;
-    }
+    job.check().map_err(Error::usage)?;
     let Surface { geometry, materials, values: texels } = job.surface;
     let Geometry { mesh, weld, name: source, input, .. } = geometry;
     let staging = Staging::new(job.folder).map_err(|error| Error::write(job.folder, &error))?;

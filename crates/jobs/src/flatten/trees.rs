@@ -26,9 +26,8 @@ pub(super) fn fit(
     };
     let encoded = encode(&samples, &PwtRecipe { target, ..PwtRecipe::default() })?;
     progress.step()?;
-    let smallest = encoded.pack.gpu_bytes();
     if let (false, FactoredTarget::Bytes(most)) = (encoded.met, recipe.target) {
-        let allowed = format!("{smallest} or more, the bytes of the smallest trees");
+        let allowed = format!("{} or more, the bytes of the smallest trees", encoded.pack.gpu_bytes());
         return Err(FormatError::whole("bytes of trees", most.to_string(), allowed).into());
     }
     let lowest_light = samples.lights.iter().map(|light| light[2]).fold(1.0, f32::min);

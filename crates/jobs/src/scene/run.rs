@@ -21,8 +21,8 @@ use crate::stage_clock::StageClock;
 use crate::store::{Cached, Digest, HashingObserver, Key, Stamp, Store};
 use brdfc_bandwidth::DEFAULT_EPSILON;
 use brdfc_bandwidth::facts::BandwidthFacts;
-use brdfc_core::Tally;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
+use brdfc_core::{Smooth, Tally};
 use brdfc_lobes::LobesRecipe;
 use brdfc_source::open::{Facts, Opened, open, open_file_observed};
 use brdfc_source::tile_image::open_colours_observed;
@@ -286,7 +286,7 @@ impl BuildContext<'_> {
         let length = job.input.path().and_then(|path| path.metadata().ok()).map_or(0, |metadata| metadata.len());
         let extension = kind_of(&job.input);
         let of_lobes = job.lobes.map_or(0, |_| memory::LOBES);
-        let bytes = memory::of_source(&extension, length, job.reading.smooth.is_some())
+        let bytes = memory::of_source(&extension, length, job.reading.smooth.and_then(Smooth::strength).is_some())
             .saturating_add(job.recipe.memory().max(of_lobes));
         let _share = shared.take(bytes);
         progress.check()?;

@@ -33,20 +33,25 @@ fn meso(geometry: String, materials: &[(Option<&str>, &str)]) -> MesoOptions {
     }
 }
 
-#[test]
-fn flat_btfs() {
+/// A small recipe with `azimuths` of the light.
+fn flat_recipe(azimuths: usize, reflectance: Reflectance) -> FlattenRecipe {
     let set = |azimuths| DirectionSet::grid(2, azimuths, 70.0).expect("a grid of directions");
-    let recipe = FlattenRecipe {
+    FlattenRecipe {
         relief: ReliefForm::Layers,
         texels: 8,
         flat_texels: 8,
         views: set(3),
-        lights: set(2),
+        lights: set(azimuths),
         fill: FillMethod::Poisson,
         bounces: 0,
-        reflectance: Reflectance::Factors,
+        reflectance,
         target: FactoredTarget::Error(2.0),
-    };
+    }
+}
+
+#[test]
+fn flat_btfs() {
+    let recipe = flat_recipe(2, Reflectance::Factors);
     // Overhangs hide some of its texels from every view.
     let button = meso("synth:button?resolution=16".to_owned(), &[]);
     let mut packs = flat_btf("button", &button, &recipe, true);
@@ -66,18 +71,7 @@ fn flat_btfs() {
 
 #[test]
 fn flat_btfs_of_trees() {
-    let set = |azimuths| DirectionSet::grid(2, azimuths, 70.0).expect("a grid of directions");
-    let recipe = FlattenRecipe {
-        relief: ReliefForm::Layers,
-        texels: 8,
-        flat_texels: 8,
-        views: set(3),
-        lights: set(8),
-        fill: FillMethod::Poisson,
-        bounces: 0,
-        reflectance: Reflectance::Pwt,
-        target: FactoredTarget::Error(2.0),
-    };
+    let recipe = flat_recipe(8, Reflectance::Pwt);
     let button = meso("synth:button?resolution=16".to_owned(), &[]);
     let mut packs = flat_btf("button", &button, &recipe, true);
     // Values with shadows: behind an indirection map, and with light of one bounce.

@@ -25,7 +25,7 @@ pub(super) fn from_surface(
         return None;
     }
     let probes = Probes::between(PROBES, &recipe.views.directions(), &recipe.lights.directions());
-    let truth = |place: &Place| direct_radiance(model, appearance, place.at, place.view, place.light);
+    let truth = |place: &Place| direct_radiance(model, appearance, *place, true);
     let truths: Vec<[f32; 3]> = probes.places().par_iter().map(truth).collect();
     Some(probes.errors(decoder, directions, &truths))
 }

@@ -6,7 +6,7 @@ use super::*;
 use crate::factored::{FactoredRecipe, FactoredTarget, factor};
 use crate::fill::FillMethod;
 use crate::light_field::visible_from_each;
-use crate::probes::{Place, Probes, direct_radiance, unshadowed_radiance};
+use crate::probes::{Place, Probes, direct_radiance};
 use crate::surface::Appearance;
 use crate::testing::{Patience, bumps};
 use crate::texels::texel_surface;
@@ -135,8 +135,8 @@ fn brightness(shadows: bool) -> (Vec<f64>, [f64; 2]) {
             made.decoder.shaded(directions.as_ref(), at, level as f32, single(*view), single(*light))
         })
     };
-    let of_surface = [unshadowed_radiance, direct_radiance]
-        .map(|radiance| mean(&|place| radiance(&made.model, &appearance, place.at, place.view, place.light)));
+    let of_surface =
+        [false, true].map(|shadows| mean(&|place| direct_radiance(&made.model, &appearance, *place, shadows)));
     ((0..5).map(of_level).collect(), of_surface)
 }
 
