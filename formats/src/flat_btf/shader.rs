@@ -17,7 +17,7 @@ use crate::flat_btf::FlatBtfDecoder;
 use crate::flat_btf_trees::TREES_DECODER;
 
 /// Name of the decoder and version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("flat-btf", 6);
+pub(super) const DECODER: (&str, u32) = ("flat-btf", 7);
 
 /// WGSL of the rays through the layers of a relief. It declares a uniform block, two textures and a sampler in bind group 1;
 /// see the file.

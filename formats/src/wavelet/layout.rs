@@ -12,9 +12,9 @@ use crate::{ErrorSummary, FormatError};
 use std::collections::BTreeMap;
 
 /// Name of the decoder and version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("wavelet", 1);
+pub(super) const DECODER: (&str, u32) = ("wavelet", 2);
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Key that identifies a wavelet pack.
 const HEADER: &str = "brdfc.wavelet";
 const INDEX: &str = "wavelet_brdf_index";
@@ -125,7 +125,7 @@ fn read_header(bytes: &[u8]) -> Result<(Header, usize), FormatError> {
         }
         Err(FormatError::whole(format!("{HEADER} {field}"), value.to_string(), allowed))
     };
-    word("version", "1", &|v| v == VERSION)?;
+    word("version", "2", &|v| v == VERSION)?;
     let code = word("parameterisation", "0 (tangent-pole) or 1 (half-difference)", &|v| {
         Parameterisation::from_code(v).is_some()
     })?;

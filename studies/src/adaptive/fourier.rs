@@ -7,9 +7,10 @@ use super::sample_counts::{SampleCounts, sample_counts};
 use super::spectrum::{WINDOW, WindowBandwidth, window_bandwidths};
 use super::statistics::{Quantiles, correlation, ranks};
 use super::variance::{DeviationRow, compared as compared_deviations, sampled_deviations};
-use brdfc_metrics::image::luminance;
+use brdfc_formats::bandwidth::propagation::pyramid_level;
+use brdfc_metrics::image::{LinearImage, luminance};
 use brdfc_readers::colour::encode_srgb;
-use brdfc_render::adaptive::{Prediction, Settings, draw, predict};
+use brdfc_render::adaptive::{Prediction, Settings, draw, maximum_bandwidth, predict};
 use brdfc_render::rendering::{Panel, difference_panel, octave_map, sheet, to_panel};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -45,6 +46,11 @@ pub struct FourierRow {
     pub shaded_by_prediction: Option<f64>,
     /// The same if levels follow the transform instead.
     pub shaded_by_transform: Option<f64>,
+    /// Mean prediction of surface pixels in cycles per pixel, and that of the maximum of the directions (figure 6).
+    pub mean_and_maximum: [f64; 2],
+    /// Share of surface pixels that demand full resolution, more than 1/4 cycle per pixel: by the prediction, and by the
+    /// maximum of the directions.
+    pub at_full_resolution: [f64; 2],
     /// Ratios of prediction and transform.
     pub ratios: Quantiles,
     /// Predicted standard deviations of samples at the same pixels.
@@ -56,6 +62,8 @@ pub struct FourierRow {
 /// Predictions of a case and their references.
 pub struct FourierCheck {
     prediction: Prediction,
+    /// Maximum bandwidth of the directions of each pixel.
+    maximum: Vec<f32>,
     /// Centres of the windows, `[column, row]`.
     windows: Vec<[usize; 2]>,
     /// Bandwidth of each window, cycles per pixel.
@@ -70,6 +78,7 @@ impl FourierCheck {
     /// Predicts, and computes the references at every window. The rendering is the ground truth as displayed.
     pub fn new(case: &Case<'_>, material: &StudyMaterial<'_>) -> Self {
         let prediction = predict(&case.adaptive, case.frame, case.buffer, &case.settings());
+        let maximum = maximum_bandwidth(&case.adaptive, case.frame, case.buffer, &case.settings());
         let (width, height) = (case.frame.width, case.frame.height);
         let shown: Vec<f32> = case
             .truth
@@ -97,7 +106,7 @@ impl FourierCheck {
         let (windows, bandwidth): (Vec<[usize; 2]>, Vec<WindowBandwidth>) = compared.unzip();
         let pixels: Vec<usize> = windows.iter().map(|[x, y]| y * width + x).collect();
         let deviation = sampled_deviations(case, material, &pixels);
-        Self { prediction, windows, bandwidth, transformed, deviation }
+        Self { prediction, maximum, windows, bandwidth, transformed, deviation }
     }
 
     /// Compares predictions with references.
@@ -106,7 +115,15 @@ impl FourierCheck {
             self.windows.iter().map(|[x, y]| values[y * case.frame.width + x]).collect()
         };
         let deviation = compared_deviations(&at_windows(&self.prediction.deviation), &self.deviation);
+        let surfaces = (0..case.buffer.part.len()).filter(|pixel| case.buffer.part_at(*pixel).is_some());
+        let surfaces: Vec<usize> = surfaces.collect();
+        let of_surfaces = |number: &dyn Fn(f32) -> f64| {
+            [&self.prediction.bandwidth, &self.maximum]
+                .map(|all| surfaces.iter().map(|pixel| number(all[*pixel])).sum::<f64>() / surfaces.len().max(1) as f64)
+        };
         FourierRow {
+            mean_and_maximum: of_surfaces(&f64::from),
+            at_full_resolution: of_surfaces(&|bandwidth| f64::from(u8::from(pyramid_level(bandwidth, 1) == 0))),
             shaded_by_prediction: shaded_share(case, &self.prediction.bandwidth, PSNR),
             shaded_by_transform: shaded_share(case, &self.transformed, PSNR),
             sample_counts: sample_counts(case, &self.prediction),
@@ -128,8 +145,7 @@ impl FourierCheck {
             }
             map(&all)
         };
-        let settings = Settings { samples: BUDGET, ..case.settings() };
-        let drawn = draw(&case.adaptive, case.frame, case.buffer, &settings).image;
+        let drawn = drawn(case);
         sheet(&[
             map(&self.prediction.deviation),
             spread(&self.deviation),
@@ -139,6 +155,23 @@ impl FourierCheck {
             difference_panel(&drawn, &case.truth, case.exposure),
         ])
     }
+
+    /// Figure 6, from left to right: adaptive shading, the maximum of the directions' bandwidths, and their mean, on the
+    /// same scale.
+    pub fn combining(&self, case: &Case<'_>) -> Panel {
+        let (width, height) = (case.frame.width, case.frame.height);
+        let both: Vec<f32> = self.maximum.iter().chain(&self.prediction.bandwidth).copied().collect();
+        let mut maximum = octave_map(&both, width, 2 * height, OCTAVES);
+        let mean = Panel { width, height, rgb: maximum.rgb.split_off(maximum.rgb.len() / 2) };
+        maximum.height = height;
+        sheet(&[to_panel(&drawn(case), case.exposure), maximum, mean])
+    }
+}
+
+/// The figures' rendering.
+fn drawn(case: &Case<'_>) -> LinearImage {
+    let settings = Settings { samples: BUDGET, ..case.settings() };
+    draw(&case.adaptive, case.frame, case.buffer, &settings).image
 }
 
 fn compared(
@@ -165,6 +198,8 @@ fn compared(
         too_low_by_2: share(&|ratio| ratio < 0.5),
         rank_correlation,
         rank_correlation_of_detail,
+        mean_and_maximum: [0.0; 2],
+        at_full_resolution: [0.0; 2],
         shaded_by_prediction: None,
         shaded_by_transform: None,
         ratios: Quantiles::of(&ratios),

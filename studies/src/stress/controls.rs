@@ -39,7 +39,7 @@ impl Control {
 }
 
 /// All negative controls.
-pub const CONTROLS: [Control; 36] = [
+pub const CONTROLS: [Control; 37] = [
     control(directions::rows, "tangent-pole grid, f64", "angles rounded to f32", |s| {
         s.to_tangent_pole = |d| [f64::from(d[2].atan2(d[0]) as f32), d[1].acos()];
     }),
@@ -86,6 +86,15 @@ pub const CONTROLS: [Control; 36] = [
     }),
     control(transforms::rows, "Daubechies and back, f32", "pixels in reverse order", |s| {
         s.daubechies = |image, _| image.iter().rev().copied().collect()
+    }),
+    control(transforms::rows, "means of levels, f32", "means of logarithms", |s| {
+        s.means = |table, level| {
+            let mut logarithms = table.clone();
+            logarithms.values.mapv_inplace(|value| (value + 1e-6).ln());
+            let mut mean = (Stages::default().means)(&logarithms, level);
+            mean.values.mapv_inplace(|value| value.exp() - 1e-6);
+            mean
+        };
     }),
     control(transforms::rows, "smoothing, f32", "values 1e-5 too large", |s| {
         s.smooth = |values, grid, radius| {

@@ -17,6 +17,7 @@ use brdfc_table::encode::Prepared;
 use brdfc_table::lattice::Equations;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_wavelet::encode::Encoded;
+use brdfc_wavelet::energy::means;
 use brdfc_wavelet::haar::forward;
 use brdfc_wavelet::log_encode::{LogEncoding, log_encode};
 use brdfc_wavelet::quantise::{Quantised, quantise};
@@ -52,6 +53,8 @@ pub struct Stages {
     pub from_log: fn(&WaveletDecoder, f32) -> f32,
     /// Smoothing of a table with a radius.
     pub smooth: fn(&mut [[f32; 3]], Grid, Option<usize>) -> Smoothed,
+    /// Table at a level of detail, with the albedos of the finest.
+    pub means: fn(&Table, u32) -> Table,
     /// Haar analysis of a square image of this side.
     pub haar: fn(&[f32], usize) -> Vec<f32>,
     /// Haar synthesis.
@@ -107,6 +110,7 @@ impl Default for Stages {
             log_encode,
             from_log: WaveletDecoder::from_log,
             smooth,
+            means,
             haar: |samples, n| {
                 let mut coefficients = vec![0.0; n * n];
                 forward(samples, n, &mut coefficients, &mut Vec::new());

@@ -1,10 +1,12 @@
 //! Wavelet transforms compared with sums in f64, forward and inverse.
 
-use super::fed::{Filling, Numbers, levels};
+use super::fed::{Filling, Numbers, levels, table};
 use super::row::{Measure, StressRow, U, Worst};
 use super::stages::Stages;
+use brdfc_core::Symmetry;
 use brdfc_formats::wavelet::haar::detail_indices;
 use brdfc_source::smooth::{Axis, Grid};
+use std::f64::consts::PI;
 
 fn norm(samples: &[f32]) -> f64 {
     // Below it, numbers of f32 have fewer digits.
@@ -53,6 +55,7 @@ pub fn rows(stages: &Stages, small: bool) -> Vec<StressRow> {
             1.0,
             "16 products and sums at each of 4 N steps, relative to the norm of the image",
         ),
+        means(stages),
         smooth(stages, small),
     ]
 }
@@ -91,6 +94,44 @@ fn daubechies_there_and_back(stages: &Stages, samples: &[f32], n: usize, norm: f
     for (found, exact) in (stages.daubechies)(samples, n).iter().zip(samples) {
         worst.add(f64::from(found - exact) / (norm * bound));
     }
+}
+
+/// Levels of detail keep `∫ f cos θ_o dω` of each outer cell.
+fn means(stages: &Stages) -> StressRow {
+    let mut worst = Worst::default();
+    for levels in 2..=3 {
+        let n = 1usize << levels;
+        for filling in Filling::ALL {
+            let samples: Vec<f32> = filling.numbers(n * n, &mut Numbers::new(5)).iter().map(|v| v.abs()).collect();
+            let finest = table(levels, Symmetry::NONE, &samples);
+            for level in 0..=levels {
+                let coarse = (stages.means)(&finest, level);
+                for row in 0..finest.fold.rows().len() {
+                    let [found, exact] = [&coarse, &finest].map(|table| albedo(table.row(0, row)));
+                    // Denormal numbers have few digits.
+                    worst.add((found - exact) / (U * exact + PI * f64::from(f32::from_bits(1))));
+                }
+            }
+        }
+    }
+    worst.row(
+        ["means of levels, f32", "tables of 1e-12 to 1e6, denormals, zeros, constants, a spike, all levels"],
+        Measure::OfBound,
+        1.0,
+        "one rounding of each mean, or a denormal step: the albedo of each outer cell is kept",
+    )
+}
+
+/// `∫ f cos θ_o dω` of the inner cells of a square grid, by `∫ sin² φ dφ` of colatitudes and `∫ sin θ dθ` of longitudes.
+fn albedo(values: &[f32]) -> f64 {
+    let n = values.len().isqrt();
+    let width = PI / n as f64;
+    let middle = |k: usize| (k as f64 + 0.5) * width;
+    let weight = |cell: usize| {
+        let rows = 0.5 * width - 0.5 * (2.0 * middle(cell / n)).cos() * width.sin();
+        rows * 2.0 * middle(cell % n).sin() * (0.5 * width).sin()
+    };
+    values.iter().enumerate().map(|(cell, value)| f64::from(*value) * weight(cell)).sum()
 }
 
 /// Squares along each axis are preserved, since the fit has their degree.

@@ -127,6 +127,13 @@ fn studies_of_adaptive_shading() {
     // Figure 12: six maps side by side.
     let maps = image::open(folder.path().join("maps/bandwidth-synth-ggx-alpha-0.2.png")).unwrap();
     assert!(maps.height() == 64 && maps.width() > 6 * 64, "{} x {}", maps.width(), maps.height());
+    // Figure 6: the rendering, the maximum and the mean. A maximum demands more.
+    let combining = image::open(folder.path().join("maps/combining-synth-ggx-alpha-0.2.png")).unwrap();
+    assert!(combining.height() == 64 && combining.width() > 3 * 64, "{} x {}", combining.width(), combining.height());
+    for of in ["mean_and_maximum", "at_full_resolution"] {
+        let [mean, maximum] = [0, 1].map(|k| fourier[0][of][k].as_f64().unwrap());
+        assert!(maximum > 1.2 * mean && mean > 0.0, "{of}: {mean}, {maximum}");
+    }
     let directions = study("bandwidth-directions", &[]);
     let errors: Vec<f64> =
         directions[0]["rows"].as_array().unwrap().iter().map(|row| row["psnr"].as_f64().unwrap()).collect();

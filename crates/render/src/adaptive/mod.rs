@@ -25,7 +25,7 @@ pub use filtered::{FilteredLight, shade_point_filtered};
 pub use light::{DistantLight, LightLevel};
 pub use lookups::Lookups;
 pub use passes::{LevelCount, ShadedLevels, shade, shade_with};
-pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, predict};
+pub use predict::{ANY_LEVEL, Prediction, coarsest, coarsest_of, field_of_view, maximum_bandwidth, predict};
 pub use pyramid::Pyramid;
 pub use rates::{RATE_TILES, RateCount, RateImage};
 pub use repeats::repeats;

@@ -2,7 +2,7 @@
 //! (sections 2.2, 2.3 and 3.1 of Bagher et al. 2012).
 
 use super::scene::{AdaptiveScene, Settings};
-use super::tile::bandwidth_and_deviation;
+use super::tile::{Estimates, estimates};
 use crate::curvature::curvature;
 use crate::gbuffer::GBuffer;
 use crate::scene::{Camera, Frame};
@@ -47,11 +47,8 @@ impl Prediction {
 /// directions that does not follow the lobe counts like the others. Neighbouring points share their results.
 pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Prediction {
     let curvature = curvature(buffer);
-    let field_of_view = field_of_view(&scene.scene.camera, frame);
-    let size = [frame.width as f32, frame.height as f32];
-    let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
-    let (angular, deviation) = bandwidth_and_deviation(scene, buffer, &curvature, settings);
-    let in_rendering = |angular: f32| pixel_bandwidth(angular, field_of_view, size, largest);
+    let Estimates { mean: angular, deviation, .. } = estimates(scene, buffer, &curvature, settings);
+    let in_rendering = in_rendering(&scene.scene.camera, frame, settings);
     let is_surface = |pixel: &usize| buffer.part_at(*pixel).is_some();
     let covered = (0..deviation.len()).filter(is_surface).count();
     let sum: f64 = deviation.iter().map(|v| f64::from(*v)).sum();
@@ -76,6 +73,21 @@ pub fn predict(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settin
         bandwidth: angular.par_iter().map(|angular| in_rendering(*angular)).collect(),
         deviation,
     }
+}
+
+/// Maximum bandwidth of the directions of each pixel in cycles per pixel, instead of the mean of equation 5; 0 without a
+/// surface. Figure 6 of Bagher et al. 2012 shows that it demands full resolution nearly everywhere.
+pub fn maximum_bandwidth(scene: &AdaptiveScene<'_>, frame: Frame, buffer: &GBuffer, settings: &Settings) -> Vec<f32> {
+    let maximum = estimates(scene, buffer, &curvature(buffer), settings).maximum;
+    maximum.into_iter().map(in_rendering(&scene.scene.camera, frame, settings)).collect()
+}
+
+/// Equation 6: the bandwidth at a pixel of a rendering, from cycles per radian.
+fn in_rendering(camera: &Camera, frame: Frame, settings: &Settings) -> impl Fn(f32) -> f32 + Sync + use<> {
+    let field_of_view = field_of_view(camera, frame);
+    let size = [frame.width as f32, frame.height as f32];
+    let largest = largest_pixel_bandwidth(settings.antialiasing_levels);
+    move |angular| pixel_bandwidth(angular, field_of_view, size, largest)
 }
 
 /// The coarsest level: log2 of the buffer's shorter side, rounded down.

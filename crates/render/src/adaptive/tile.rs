@@ -25,21 +25,33 @@ pub const MAX_DIRECTIONS: u32 = 1 << 16;
 /// Points are of the same piece of a surface if their normals have at least this cosine, 18°.
 const SAME_PIECE: f32 = 0.95;
 
-/// Cycles per radian and visible deviation of all points, row by row; 0 without a surface.
-pub(super) fn bandwidth_and_deviation(
+/// Estimates of all points, row by row; 0 without a surface.
+pub(super) struct Estimates {
+    /// Weighted mean of the directions, equation 5, in cycles per radian.
+    pub mean: Vec<f32>,
+    /// Maximum of the directions whose light reaches the viewer, in cycles per radian.
+    pub maximum: Vec<f32>,
+    /// Visible deviation.
+    pub deviation: Vec<f32>,
+}
+
+/// Estimates all points of a buffer, whose mean curvatures are `curvature`.
+pub(super) fn estimates(
     scene: &AdaptiveScene<'_>,
     buffer: &GBuffer,
     curvature: &[f32],
     settings: &Settings,
-) -> (Vec<f32>, Vec<f32>) {
+) -> Estimates {
     let textures: Vec<_> =
         (0..buffer.part.len()).into_par_iter().map(|point| scene.texture_at(buffer, point)).collect();
     let run = settings.directions.clamp(1, MAX_DIRECTIONS).div_ceil(ENOUGH as u32);
     let tile = Tile { scene, buffer, curvature, textures: &textures, run };
-    let (mut angular, mut deviations) = (vec![0.0; buffer.part.len()], vec![0.0; buffer.part.len()]);
+    let zeros = vec![0.0; buffer.part.len()];
+    let mut all = Estimates { mean: zeros.clone(), maximum: zeros.clone(), deviation: zeros };
     // Each row of tiles is a task.
-    let tasks = angular.par_chunks_mut(SIDE * buffer.width).zip(deviations.par_chunks_mut(SIDE * buffer.width));
-    tasks.enumerate().for_each(|(row, (angular, deviations))| {
+    let [mean, maximum, deviation] =
+        [&mut all.mean, &mut all.maximum, &mut all.deviation].map(|of| of.par_chunks_mut(SIDE * buffer.width));
+    mean.zip(maximum).zip(deviation).enumerate().for_each(|(row, ((mean, maximum), deviation))| {
         let first = row * SIDE * buffer.width;
         for column in (0..buffer.width).step_by(SIDE) {
             let points: [Option<usize>; POINTS] = std::array::from_fn(|k| {
@@ -55,12 +67,13 @@ pub(super) fn bandwidth_and_deviation(
                 let all = tile.joined((k, point), &shares, alike);
                 let albedo = scene.materials[tile.part(point)].albedo * textures[point].luminance();
                 let luminance = albedo * all.variance.mean();
-                angular[point - first] = all.average.mean().angular;
-                deviations[point - first] = visible_deviation(all.variance.relative(0.0), luminance, settings.white);
+                mean[point - first] = all.average.mean().angular;
+                maximum[point - first] = all.maximum;
+                deviation[point - first] = visible_deviation(all.variance.relative(0.0), luminance, settings.white);
             }
         }
     });
-    (angular, deviations)
+    all
 }
 
 /// Effect of an error of the estimate on the rendering: standard deviation of one sample in the display's encoded
@@ -89,12 +102,18 @@ struct Tile<'a> {
 #[derive(Debug, Clone, Copy, Default)]
 struct Share {
     average: BandwidthAverage,
+    /// Cycles per radian.
+    maximum: f32,
     variance: VarianceEstimate,
 }
 
 impl Share {
     fn join(self, other: Self) -> Self {
-        Self { average: self.average.join(other.average), variance: self.variance.join(other.variance) }
+        Self {
+            average: self.average.join(other.average),
+            maximum: self.maximum.max(other.maximum),
+            variance: self.variance.join(other.variance),
+        }
     }
 }
 
@@ -162,6 +181,9 @@ impl Tile<'_> {
             let own = surface.albedo(self.buffer.distance[point]).angular;
             let shows = Bandwidth { angular: arrives.angular.max(own), ..arrives };
             share.average = share.average.add(shows, light.radiance);
+            if light.radiance > 0.0 {
+                share.maximum = share.maximum.max(shows.angular);
+            }
             share.variance = share.variance.add_range(light, surface.lobe);
         }
         share

@@ -115,14 +115,17 @@ fn add(
     match result {
         StudyResult::PixelBandwidth { rows } => {
             let truth = TruthSamples::Fixed(truth, Start::Shared);
-            let (row, figure) = Case::with(material, &shape.scene(), lighting, frame, truth, |case| {
+            let (row, figures) = Case::with(material, &shape.scene(), lighting, frame, truth, |case| {
                 let check = FourierCheck::new(case, material);
-                (check.row(case, &name, &on), out.map(|folder| (folder, check.figure(case))))
+                let figures = || [("bandwidth", check.figure(case)), ("combining", check.combining(case))];
+                (check.row(case, &name, &on), out.map(|folder| (folder, figures())))
             });
-            if let Some((folder, figure)) = figure {
+            if let Some((folder, figures)) = figures {
                 make_folder(folder)?;
-                let name = file_stem(&format!("bandwidth-{name}"));
-                write_file(&folder.join(format!("{name}.png")), &rgb_png(&figure))?;
+                for (of, figure) in figures {
+                    let name = file_stem(&format!("{of}-{name}"));
+                    write_file(&folder.join(format!("{name}.png")), &rgb_png(&figure))?;
+                }
             }
             rows.push(row);
         }
@@ -190,11 +193,21 @@ pub(super) fn fourier_text(rows: &[FourierRow]) -> String {
         cells.extend([c.uniform, c.prediction, c.first_samples, c.both].map(percent));
         cells
     });
+    let combined = rows.iter().map(|row| {
+        let mut cells = vec![row.material.clone(), row.shape.clone()];
+        cells.extend(row.mean_and_maximum.map(|bandwidth| format!("{bandwidth:.3}")));
+        cells.extend(row.at_full_resolution.map(percent));
+        cells
+    });
+    let of_combined = ["material", "shape", "mean", "maximum", "full, mean", "full, maximum"];
     let of_counts = ["material", "shape", "uniform", "prediction", "first samples", "both"];
     plain(&header, &cells)
         + "\nPredicted pixel bandwidth over the root mean square of frequency in windows of 32 x 32 pixels of the ground truth as\n\
            displayed. rank: correlation of both; of detail: with the mean of a window as a frequency of 0. shaded: pixels to shade\n\
            for 30 dB, without noise, if levels follow the prediction, or the transform.\n\n"
+        + &plain(&of_combined, combined)
+        + "\nBandwidths of the directions of a pixel combined by their weighted mean, which is the prediction, and by their maximum:\n\
+           means over surface pixels in cycles per pixel, and shares of pixels that demand full resolution.\n\n"
         + &plain(&deviation, &deviations)
         + "\nPredicted standard deviation of samples over that of 256 samples, as displayed. within 2: share of ratios within a\n\
            factor 2 of the median; a common factor does not matter.\n\n"
