@@ -31,6 +31,8 @@ struct Sample {
     weight: [f64; 3],
     /// Standard deviation of the cell of the sample, radians.
     deviation: f64,
+    /// Sharpness of look-ups for this deviation.
+    sharpness: f32,
 }
 
 impl Reflection {
@@ -64,9 +66,15 @@ impl Reflection {
                 let value = source.eval(DirectionPair::new(turned(incoming), outgoing), tally);
                 let weight = value.map(|v| v.max(0.0) * incoming[2] * solid_angle);
                 let deviation = 0.5 * solid_angle.sqrt();
+                let sharpness = EnvironmentHeader::sharpness(deviation) as f32;
                 let mirrored = [incoming[0], -incoming[1], incoming[2]];
                 let both = [incoming, mirrored].into_iter().take(if is_isotropic { 2 } else { 1 });
-                samples.extend(both.map(|direction| Sample { direction: turned(direction), weight, deviation }));
+                samples.extend(both.map(|direction| Sample {
+                    direction: turned(direction),
+                    weight,
+                    deviation,
+                    sharpness,
+                }));
             }
         }
         let sum = |sample: &Sample| sample.weight.iter().sum::<f64>();
@@ -91,7 +99,7 @@ impl Reflection {
     /// Slopes of half vectors, for a reflection towards the normal; `None` for black.
     pub fn slopes(&self) -> Option<Slopes> {
         let (mut sums, mut total) = ([0.0; 3], 0.0);
-        for Sample { direction: [x, y, z], weight, deviation } in &self.samples {
+        for Sample { direction: [x, y, z], weight, deviation, .. } in &self.samples {
             let [u, v] = [x, y].map(|c| c / (1.0 + z));
             // Squares of densities: the square of a Gaussian has half its variance, and a diffuse share hardly counts.
             let weight = (weight.iter().sum::<f64>() / deviation).powi(2);
@@ -107,9 +115,8 @@ impl Reflection {
     /// Reflected radiance in a local frame of tangent, bitangent and normal.
     pub fn radiance(&self, environment: &EnvironmentDecoder, frame: &Frame) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for Sample { direction, weight, deviation } in &self.samples {
-            let light = environment
-                .radiance(frame.world(direction.map(|c| c as f32)), EnvironmentHeader::sharpness(*deviation) as f32);
+        for Sample { direction, weight, sharpness, .. } in &self.samples {
+            let light = environment.radiance(frame.world(direction.map(|c| c as f32)), *sharpness);
             (0..3).for_each(|k| sum[k] += weight[k] * f64::from(light[k]));
         }
         sum
