@@ -13,14 +13,16 @@ pub use brdfc_jobs::pwt::{
 pub use brdfc_metrics::compare::Comparison;
 pub use brdfc_pwt::measure::StackErrors;
 
-use crate::{DirectionPair, Error, Input, Material};
+use crate::{DirectionPair, Error, Input, InputError, Material};
 use brdfc_jobs::flatten::compare_flat;
 use brdfc_jobs::pwt::open_flat_material;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
+use brdfc_source::pack::open_pack;
 use brdfc_source::rti_capture::is_rti_capture;
+use std::fs::File;
 
 const SEED: u64 = 2007;
 
@@ -102,8 +104,17 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
 /// Returns an error if a file cannot be read, is damaged or is not a flat BTF.
 pub fn flat_btfs(a: &Input, b: &Input) -> Result<FlatComparison, Error> {
     let open = |name: &str, input: &Input| {
-        let no_flat_btf = || Error::wrong_usage(name, input, "a flat BTF, because A is one");
-        open_flat_material(input)?.ok_or_else(no_flat_btf)
+        if let Some(material) = open_flat_material(input)? {
+            return Ok(material);
+        }
+        // A file that is missing or damaged, first.
+        if let Some(file) = input.path().filter(|path| !path.is_dir()) {
+            File::open(file).map_err(|error| InputError::Io { name: input.to_string(), error })?;
+            if input.extension()? == "ktx2" {
+                open_pack(input)?;
+            }
+        }
+        Err(Error::wrong_usage(name, input, "a flat BTF, because A is one"))
     };
     Ok(compare_flat(&open("A", a)?, &open("B", b)?))
 }

@@ -74,7 +74,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DB", group = "target")]
     loss: Option<f64>,
     /// View of a BTF, 0 to the number of views - 1, or all (default: 0).
-    #[arg(long, alias = "views", value_name = "V|all", value_parser = view_choice)]
+    #[arg(long, alias = "views", value_name = "V|all", value_parser = view_choice, allow_hyphen_values = true)]
     view: Option<ViewChoice>,
     /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]

@@ -71,6 +71,9 @@ pub fn directions_from_bytes(bytes: &[u8]) -> Result<Vec<(Vector, Vector)>, Form
     Ok(pairs)
 }
 
+/// Farthest tile: at greater distances f32 has hardly any digits for the position in a tile.
+const MAX_TILES: f64 = 4096.0;
+
 /// A position on an image or a tile with light and view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TexelQuery {
@@ -93,6 +96,10 @@ pub fn texels_from_bytes(bytes: &[u8], with_view: bool, repeats: bool) -> Result
     let mut queries = Vec::new();
     while let Some((line, n)) = table.next_numbers(&columns)? {
         for (column, value) in TEXEL_COLUMNS.into_iter().zip(&n[..2]) {
+            if value.abs() > MAX_TILES {
+                let allowed = format!("-{MAX_TILES} to {MAX_TILES}");
+                return Err(FormatError::at_line(line, column, value.to_string(), allowed));
+            }
             if !repeats && !(0.0..=1.0).contains(value) {
                 return Err(FormatError::at_line(line, column, value.to_string(), "0 to 1: the image does not repeat"));
             }
@@ -304,6 +311,7 @@ mod tests {
         assert_eq!(error("1.5,0,0,0,1", false), "line 2, u: found 1.5, expected 0 to 1: the image does not repeat");
         assert_eq!(error("0,-1,0,0,1", false), "line 2, v: found -1, expected 0 to 1: the image does not repeat");
         assert_eq!([error("0,1,0,0,1", false), error("1.5,-1,0,0,1", true)], ["", ""]);
+        assert_eq!(error("0,1e5,0,0,1", true), "line 2, v: found 100000, expected -4096 to 4096");
     }
 
     #[test]

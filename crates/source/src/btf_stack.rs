@@ -92,7 +92,7 @@ pub fn has_images(folder: &Path) -> bool {
 }
 
 /// Image files of a folder that is an ordinary BTF by its file names, complete or not; empty for other folders.
-pub(crate) fn images_of(folder: &Path) -> Vec<PathBuf> {
+pub fn images_of(folder: &Path) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     let listed = list(folder, "", LEVELS, &mut 0, &mut paths).ok();
     let contents = listed.and_then(|()| StackContents::new(&paths).ok());

@@ -60,7 +60,9 @@ impl Smoothed {
     pub fn lines(&self) -> [(&'static str, String); 2] {
         let [least, most] = self.radius;
         let radius = if least == most { least.to_string() } else { format!("{least} to {most}") };
-        [("estimated noise of the values", percent(self.noise)), ("cells on each side of a fit", radius)]
+        // The residuals of a given radius may be detail.
+        let noise = format!("{}{}", if least == most { "at most " } else { "" }, percent(self.noise));
+        [("estimated noise of the values", noise), ("cells on each side of a fit", radius)]
     }
 }
 

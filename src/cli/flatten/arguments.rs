@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, value_name = "TILES")]
     pub(super) height_offset: Option<f64>,
     /// Material: any INPUT of 'brdfc encode', or NAME=INPUT for the faces of that name in a mesh. May be given up to
-    /// four times (default: a structure blends its own).
+    /// four times (default: a structure blends its own, other surfaces are 'synth:lambert?kd=0.5').
     #[arg(long, value_name = "[NAME=]INPUT")]
     pub(super) material: Vec<OsString>,
     /// Image over the tile that multiplies the reflectance (PNG or JPEG, sRGB).
@@ -61,7 +61,7 @@ pub struct Arguments {
     /// 256 (default: 16x16). The product of each with --texels is at most 8192.
     #[arg(long, value_name = "ZxR", value_parser = views_of_map, allow_hyphen_values = true)]
     pub(super) indirection: Option<[u32; 2]>,
-    /// Largest polar angle of these views, above 0, up to 90 degrees (default: 80). Steeper views look like this one.
+    /// Largest polar angle of these views, 1 to 90 degrees (default: 80). Steeper views look like this one.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     pub(super) largest_angle: Option<f64>,
     /// Rays per texel and axis for each of these views, 1 to 16 (default: 2).

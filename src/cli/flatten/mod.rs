@@ -63,11 +63,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let missed = missed(&asset.about);
     if let (Some(text), None) = (&missed, arguments.max_delta_e) {
-        note(common, &arguments.meso, text);
+        note(common, &arguments.meso, &format!("{text}, the default of --max-delta-e"));
     }
     let seconds = started.elapsed().as_secs_f64();
     let text = text(&asset, Some(seconds));
     print(&json_or(common, &Report { asset, seconds }, text))?;
     // The default limit is not a check.
-    missed.filter(|_| arguments.max_delta_e.is_some()).map_or(Ok(()), |text| Err(Error::check(text)))
+    missed
+        .filter(|_| arguments.max_delta_e.is_some())
+        .map_or(Ok(()), |text| Err(Error::check(format!("--max-delta-e: {text}"))))
 }

@@ -52,9 +52,16 @@ pub(super) fn check_outputs(arguments: &Arguments, name: &str) -> Result<(), Err
     let [images, flat] = [("--write-images", &arguments.write_images), ("--write-flat", &arguments.write_flat)]
         .map(|(flag, folder)| (flag, folder.as_deref()));
     refuse_same_outputs(&[("--out", Some(&arguments.out)), images, flat])?;
+    let absolute = |path: Option<&Path>| path.and_then(|path| std::path::absolute(path).ok());
+    if let (Some(images), Some(flat)) = (absolute(images.1), absolute(flat.1))
+        && (flat.starts_with(&images) || images.starts_with(&flat))
+    {
+        return Err(Error::usage("--write-images and --write-flat: one is inside the other; choose separate folders"));
+    }
     for (flag, folder) in [images, flat] {
         let Some(folder) = folder else { continue };
         check_folder(folder)?;
+        refuse_overwriting(flag, folder, &inputs)?;
         if arguments.bounces > 0 {
             let text = format!("{flag} does not apply to --bounces: the images would lack the light of bounces");
             return Err(Error::usage(text));
@@ -173,7 +180,7 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
         (arguments.bounces > 0, "--bounces"),
         (arguments.max_bytes.is_some(), "--max-bytes"),
     ];
-    let flags = of_factors.map(|(given, flag)| (brdf && given, flag, "--reflectance factors"));
+    let flags = of_factors.map(|(given, flag)| (brdf && given, flag, "--reflectance factors and pwt"));
     refuse_flags("--reflectance brdf", &flags)?;
     refuse_flags("an ordinary BTF", &[(is_stack && brdf, "--reflectance brdf", "surfaces with materials")])
 }
@@ -247,8 +254,8 @@ fn relief(arguments: &Arguments) -> Result<ReliefForm, Error> {
         return Ok(ReliefForm::Layers);
     }
     let largest_angle = largest_angle.unwrap_or(LARGEST_ANGLE);
-    if !(largest_angle > 0.0 && largest_angle <= 90.0) {
-        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "above 0, up to 90 degrees"));
+    if !(1.0..=90.0).contains(&largest_angle) {
+        return Err(Error::wrong_usage("--largest-angle", format_number(largest_angle), "1 to 90 degrees"));
     }
     let [polar_angles, azimuth_rows] = indirection.unwrap_or(INDIRECTION);
     Ok(ReliefForm::Vdim(VdimRecipe {

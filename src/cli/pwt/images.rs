@@ -47,7 +47,10 @@ impl ImageOutputs {
             refuse_other_extension(option, path, &["png"])?;
             refuse_missing_folder(path)?;
         }
-        self.web.as_deref().map_or(Ok(()), check_folder)?;
+        if let Some(folder) = &self.web {
+            check_folder(folder)?;
+            refuse_overwriting("--web", folder, inputs)?;
+        }
         refuse_same_outputs(&[
             ("--output", output),
             ("--normals", self.normals.as_deref()),

@@ -153,13 +153,13 @@ fn of_brdfs(arguments: &Arguments, common: Common) -> Result<(Verification, View
     if !subject.has_lobes(&setup.names) {
         refuse_truth(arguments)?;
     }
-    // Open the adapter first: without one, encoding would be wasted.
+    // The adapter and the environment first: without them, encoding would be wasted.
     let gpu = gpu::open(arguments)?;
+    let light = Light::of_scene(arguments, &subject, &setup.names, &mut setup.scene, common)?;
     let prepared = materials::prepare(arguments, &subject, &setup.names, common)?;
 
     let of_part = |name: &String| prepared.iter().position(|p| p.name == *name).expect("every name was prepared");
     let of_parts: Vec<usize> = setup.names.iter().map(of_part).collect();
-    let light = Light::of_scene(arguments, &subject, &setup.names, &mut setup.scene, common)?;
     let decoding = gpu::decoding(arguments, &subject);
     let views = lit_views(arguments, &subject, &setup, &gpu, (&prepared, &of_parts, decoding), light.as_ref(), common)?;
     let of_part = |number: usize| {

@@ -131,10 +131,18 @@ fn folders_that_are_files_or_not_empty() {
     let full = ["--write-images: s is not empty; choose a new or empty folder"];
     with(&["-o", "out", "--write-images", "s"], 2, &full);
     with(&["-o", "out", "--write-flat", "s"], 2, &["--write-flat: s is not empty; choose a new or empty folder"]);
+    let nested = ["--write-images", "raw/images", "--write-flat", "raw"];
+    with(&[&["-o", "out"], &nested[..]].concat(), 2, &["--write-images and --write-flat: one is inside the other"]);
     assert!(!folder.path().join("out").exists(), "before the work");
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     folder.run(&[&knit[..], &["-o", "out", "--write-images", "empty"], &SMALL].concat()).succeeded();
     assert_eq!(folder.files("empty").len(), 16);
+    // Images next to those of a BTF would be read as its own.
+    for (flag, out) in [("--normals", "empty/n.png"), ("--web", "empty/web"), ("--albedo", "empty/new/a.png")] {
+        let expected = format!("{flag}: {out} would be read as an image of empty; choose another folder");
+        refused(&folder, &["pwt", "empty", "--view", "0", flag, out], 2, &[&expected]);
+    }
+    folder.run(&["pwt", "empty", "--view", "0", "-o", "empty/view.ktx2"]).succeeded();
 }
 
 #[test]

@@ -142,11 +142,15 @@ fn flat_btfs_are_compared() {
     }
     let table = folder.run(&["compare", "whole", "small", "--max-delta-e", "100"]).succeeded().stdout;
     assert!(table.contains("look-ups") && table.contains("mean ΔE") && table.contains("65536"), "{table}");
+    folder.write("cut.ktx2", &folder.read("whole/whole.ktx2")[..1000]);
     for (code, arguments, expected) in [
         (1, &["whole", "knit", "--max-delta-e", "0.1"][..], ", expected at most 0.1"),
         (2, &["whole", "small", "--max-delta-e", "-1"], "--max-delta-e: found -1, expected 0 to 1000"),
         (2, &["whole", "small", "--max-error", "5%"], "--max-error does not apply to flat BTFs"),
         (2, &["whole", "synth:lewis"], "B: found synth:lewis, expected a flat BTF, because A is one"),
+        (4, &["whole", "gone.ktx2"], "gone.ktx2: cannot read"),
+        (4, &["whole", "gone"], "gone: cannot read"),
+        (3, &["whole", "cut.ktx2"], "cut.ktx2: container: ends after 1000 bytes"),
     ] {
         let ran = folder.run(&[&["compare"][..], arguments].concat());
         assert!(ran.code == code && ran.stderr.contains(expected), "{arguments:?}: {ran:?}");

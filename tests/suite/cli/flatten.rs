@@ -163,8 +163,8 @@ fn graphics_memory_is_that_of_the_bindings() {
     let missed = flatten(&folder, &[&knit[..], &FACTORS, &["--max-delta-e", "0.00001"]].concat());
     assert!(
         missed.code == 1
-            && missed.stderr.contains("selected from 7 that were tried with a ΔE of ")
-            && missed.stderr.contains(" or more, expected at most 0.00001"),
+            && missed.stderr.contains("--max-delta-e: found a mean ΔE of ")
+            && missed.stderr.contains(" after 7 trials, expected at most 0.00001"),
         "{}",
         missed.stderr
     );

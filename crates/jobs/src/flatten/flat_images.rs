@@ -5,6 +5,7 @@ use super::images::StackImages;
 use super::input::Values;
 use crate::btf_stack::{StackFormat, write_channels, write_image};
 use crate::error::Error;
+use crate::outputs::Failed;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::{FlattenRecipe, ReliefForm};
 use brdfc_flat_btf::fill::FillMethod;
@@ -26,7 +27,7 @@ pub(super) fn write_flat(
     model: &MesoModel,
     values: &Values,
     recipe: &FlattenRecipe,
-    folder: &Path,
+    (folder, failed): (&Path, Failed<'_>),
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
@@ -36,7 +37,7 @@ pub(super) fn write_flat(
         visible_from_each(&texels, &model.caster, directions, progress)
     };
     let masks = seen_from(&views, Stage::Visibility)?;
-    let files = FlatFiles { folder, recipe, masks: &masks };
+    let files = FlatFiles { folder, failed, recipe, masks: &masks };
     match values {
         Values::Computed(appearance) => {
             let reached = seen_from(&lights, Stage::Shadows)?;
@@ -59,6 +60,7 @@ pub(super) fn write_flat(
 /// Files of a raw flat BTF.
 struct FlatFiles<'a> {
     folder: &'a Path,
+    failed: Failed<'a>,
     recipe: &'a FlattenRecipe,
     /// For each view, the texels that it sees.
     masks: &'a [Vec<bool>],
@@ -100,9 +102,7 @@ impl FlatFiles<'_> {
                 let size = recipe.flat_texels;
                 let rows = from_the_top(&flattened.image(light).map_err(outside)?, size);
                 let (number, angles) = (light * views + view, self.angles(view, light));
-                write_image(&folder, number, angles, &rows, [size; 2], StackFormat::Exr)
-                    .map(drop)
-                    .map_err(|error| Error::write(&folder, &error))
+                write_image(&folder, number, angles, &rows, [size; 2], StackFormat::Exr).map(drop).map_err(self.failed)
             })?;
             progress.step()?;
         }
@@ -132,8 +132,7 @@ impl FlatFiles<'_> {
     /// Writes a square of texels, of which the first row is the lowest.
     fn write<const N: usize>(&self, path: &Path, channels: [&str; N], texels: &[[f32; N]]) -> Result<(), Error> {
         let size = texels.len().isqrt();
-        write_channels(path, channels, &from_the_top(texels, size), [size; 2])
-            .map_err(|error| Error::write(path, &error))
+        write_channels(path, channels, &from_the_top(texels, size), [size; 2]).map_err(self.failed)
     }
 }
 

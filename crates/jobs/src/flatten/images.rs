@@ -2,6 +2,7 @@
 
 use crate::btf_stack::{StackFormat, write_image};
 use crate::error::Error;
+use crate::outputs::Failed;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::FlattenRecipe;
 use brdfc_flat_btf::measured::ViewImages;
@@ -34,7 +35,7 @@ pub(super) fn write_images(
     model: &MesoModel,
     appearance: &Appearance,
     recipe: &FlattenRecipe,
-    (folder, format): (&Path, StackFormat),
+    (folder, format, failed): (&Path, StackFormat, Failed<'_>),
     progress: &dyn Progress,
 ) -> Result<(), Error> {
     let (views, lights) = (recipe.views.directions(), recipe.lights.directions());
@@ -47,8 +48,7 @@ pub(super) fn write_images(
             // Row 0 of an image is its top.
             let rows: Vec<[f32; 3]> = image.chunks_exact(size).rev().flatten().copied().collect();
             let angles = ImageAngles { light: recipe.lights.angles[light], view: recipe.views.angles[view] };
-            write_image(folder, light * views.len() + view, angles, &rows, [size; 2], format)
-                .map_err(|error| Error::write(folder, &error))
+            write_image(folder, light * views.len() + view, angles, &rows, [size; 2], format).map_err(failed)
         };
         (0..lights.len()).into_par_iter().try_for_each(|light| write(light).map(drop))?;
         progress.step()?;

@@ -8,6 +8,7 @@ use super::scratch::FolderScratch;
 use super::trees::fit;
 use crate::btf_stack::StackFormat;
 use crate::error::Error;
+use crate::outputs::fill_folder;
 use crate::store::{Staging, placing};
 use crate::write::write_atomic;
 use brdfc_core::progress::Progress;
@@ -78,10 +79,15 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         EncodeError::Cancelled(cancelled) => cancelled.into(),
     })?;
     if let (Values::Computed(appearance), Some(images)) = (&texels, job.images) {
-        write_images(&encoded.model, appearance, job.recipe, images, progress)?;
+        let (folder, format) = images;
+        fill_folder(folder, |whole, failed| {
+            write_images(&encoded.model, appearance, job.recipe, (whole, format, failed), progress)
+        })?;
     }
     if let Some(folder) = job.raw {
-        write_flat(&encoded.model, &texels, job.recipe, folder, progress)?;
+        fill_folder(folder, |whole, failed| {
+            write_flat(&encoded.model, &texels, job.recipe, (whole, failed), progress)
+        })?;
     }
     let about = AssetFile {
         version: 4,

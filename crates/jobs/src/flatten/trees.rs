@@ -28,7 +28,7 @@ pub(super) fn fit(
     progress.step()?;
     if let (false, FactoredTarget::Bytes(most)) = (encoded.met, recipe.target) {
         let allowed = format!("{} or more, the bytes of the smallest trees", encoded.pack.gpu_bytes());
-        return Err(FormatError::whole("bytes of trees", most.to_string(), allowed).into());
+        return Err(EncodeError::Outside(Error::check(format!("--max-bytes: found {most}, expected {allowed}"))));
     }
     let lowest_light = samples.lights.iter().map(|light| light[2]).fold(1.0, f32::min);
     Ok(FlatTrees::new(encoded.pack, views.has_shadows, lowest_light)?)

@@ -40,7 +40,7 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
     let Settings { flat_texels, texels, views, .. } = &asset.settings;
     if *flat_texels < FEW_TEXELS || (*texels as usize) < FEW_TEXELS {
         lines.push(format!(
-            "{texels} and {flat_texels} texels per side are enough for previews only: outlines are soft; the default, \
+            "{texels} and {flat_texels} texels per side are enough for previews only: outlines are soft or ragged; the default, \
              256 texels, looks sharp from nearby"
         ));
     }
@@ -58,20 +58,15 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     let FactoredTarget::Error(most) = asset.settings.target else { return None };
     if let Some(trees) = &asset.trees {
         let found = f64::from(trees.errors.delta_e);
-        let text =
-            format!("--max-delta-e: found a mean ΔE of {found:.3} with trees of all terms, expected at most {most}");
+        let text = format!("found a mean ΔE of {found:.3} with trees of all terms, expected at most {most}");
         return (found > most).then_some(text);
     }
     let factored = asset.report.factored.as_ref()?;
     let found = f64::from(factored.errors.seen_mean);
     let form = if factored.components == 0 { "brdf".to_owned() } else { format!("{} components", factored.components) };
-    let least = factored.tried.iter().map(|trial| trial.errors.seen_mean).fold(f32::MAX, f32::min);
     (found > most).then(|| {
-        format!(
-            "--max-delta-e: found a mean ΔE of {found:.3} with {form}, selected from {} that were tried with a ΔE of \
-             {least:.3} or more, expected at most {most}",
-            factored.tried.len()
-        )
+        let tried = counted(factored.tried.len(), "trial");
+        format!("found a mean ΔE of {found:.3} with {form} after {tried}, expected at most {most}")
     })
 }
 

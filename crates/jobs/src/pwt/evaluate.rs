@@ -69,6 +69,8 @@ impl Relightable {
         let single = |v: [f64; 3]| v.map(|c| c as f32);
         let coarser = (self.levels() as f32 - level).max(0.0);
         match self {
+            // No view is below a surface.
+            Self::Pack(_) if self.has_views() && query.outgoing[2] <= 0.0 => [0.0; 3],
             Self::Pack(decoder) => {
                 let [view, light] = [query.outgoing, query.incoming].map(single);
                 decoder.value(query.uv.map(|c| c as f32), coarser, view, light)

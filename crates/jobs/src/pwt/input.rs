@@ -54,7 +54,7 @@ impl LightInput {
     pub fn open(input: &Input, view: Option<ViewChoice>) -> Result<Self, Error> {
         let extension = input.extension()?;
         if view.is_some() && (extension == "ktx2" || viewer_file::EXTENSIONS.contains(&extension.as_str())) {
-            return Err(Error::usage("--view does not apply to inputs with one view, only to BTFs"));
+            return Err(Error::usage("--view does not apply to packs and files of viewers, only to BTFs"));
         }
         if let Some(map) = open_viewer_file(input)? {
             check_spread(input, map.size(), lights_of(map.as_ref()))?;
@@ -62,9 +62,12 @@ impl LightInput {
         }
         if extension == "ktx2" {
             return match brdfc_source::pack::open_pack(input)? {
-                Pack::Pwt(pack) if pack.header().view_count() > 1 => {
-                    Err(refused(input, "views", &pack.header().view_count().to_string(), "1, of a pack to fit again"))
-                }
+                Pack::Pwt(pack) if pack.header().view_count() > 1 => Err(refused(
+                    input,
+                    "views",
+                    &pack.header().view_count().to_string(),
+                    "a pack of one view, or the BTF itself",
+                )),
                 Pack::Pwt(pack) => {
                     // A small file may hold a large image.
                     check_spread(input, pack.header().size, SPREAD)?;

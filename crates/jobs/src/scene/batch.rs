@@ -90,7 +90,8 @@ fn has_values(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(START).read_to_end(&mut start));
     let text = String::from_utf8_lossy(&start);
-    read.is_err() || [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].iter().any(|column| text.contains(column))
+    let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+    read.is_err() || words.any(|word| [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].contains(&word))
 }
 
 fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
@@ -264,11 +265,12 @@ mod tests {
         let there = folder(&["b.brdf", "a.binary", "notes.txt", "c.BSDF", "old.ktx2", ".d.csv"]);
         let write = |name: &str, text: &str| std::fs::write(there.path().join(name), text).unwrap();
         write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,1,0,0,1\n");
+        write("report.csv", "name,value\nflat_btf_reference,5460\n");
         write("e.csv", "# angles\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,0,0,1,1,1\n");
         write("d.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1,1,1,1\n");
         let found = find(&given(&[there.path().into()])).unwrap();
         let names: Vec<_> = found.sources.iter().map(|source| names::of_file(Path::new(source))).collect();
-        assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 3));
+        assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 4));
         let empty = folder(&["notes.txt"]);
         let error = find(&given(&[empty.path().into()])).unwrap_err().to_string();
         assert!(error.contains("no measured material, only one other file; expected .binary"), "{error}");

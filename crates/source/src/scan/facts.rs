@@ -55,7 +55,10 @@ impl Describe for ScanFacts {
         let [least, most] = s.neighbours;
         // Without smoothing the residuals may be errors of the fit.
         let is_smoothed = most > if s.isotropic { NEIGHBOURS_3D } else { NEIGHBOURS_4D };
-        let noise = format!("{}{}", if is_smoothed { "" } else { "at most " }, percent(s.noise));
+        let noise = match most {
+            1 => "unknown: one neighbour leaves no residual".to_owned(),
+            _ => format!("{}{}", if is_smoothed { "" } else { "at most " }, percent(s.noise)),
+        };
         let neighbours = if least == most { least.to_string() } else { format!("{least} to {most}") };
         let mut lines = vec![
             ("kind", if alta.is_some() { "scattered scan, ALTA table" } else { "scattered scan" }.to_owned()),

@@ -70,7 +70,7 @@ fn three_materials_get_factors() {
 fn options_that_do_not_apply_to_a_brdf() {
     let folder = Folder::new();
     folder.write("images/tl000 pl000 tv000 pv000.png", b"no image");
-    let only_factors = "does not apply to --reflectance brdf, only to --reflectance factors";
+    let only_factors = "does not apply to --reflectance brdf, only to --reflectance factors and pwt";
     for (input, options, expected) in [
         ("gone.obj", &["--fill", "poisson"][..], format!("--fill {only_factors}")),
         ("gone.obj", &["--fill", "push-pull"], format!("--fill {only_factors}")),

@@ -121,7 +121,7 @@ fn wrong_settings_fail_before_any_work() {
         (&["--compact"], "--compact does not apply to --relief layers, only to --relief vdim"),
         (&["--relief", "vdim", "--indirection", "1x16"], "2 to 256 polar angles x 4 to 256 rows of azimuths"),
         (&["--relief", "vdim", "--indirection", "16"], "such as 16x16"),
-        (&["--relief", "vdim", "--largest-angle", "0"], "--largest-angle: found 0, expected above 0, up to 90 degrees"),
+        (&["--relief", "vdim", "--largest-angle", "0"], "--largest-angle: found 0, expected 1 to 90 degrees"),
         (&["--relief", "vdim", "--largest-angle", "nan"], "--largest-angle: found NaN"),
         (&["--relief", "vdim", "--oversampling", "17"], "--oversampling"),
         (&["--relief", "vdim", "--texels", "1024"], "16384 x 16384, expected at most 8192 on each side"),
