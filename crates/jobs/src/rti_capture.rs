@@ -28,6 +28,10 @@ pub fn write_rti_capture(
     let names: Vec<String> = (0..lights.len()).map(|light| format!("{light:04}.{}", format.extension())).collect();
     let text = LightPositions::to_text(&names, lights);
     let list = LightPositions::parse(&text).map_err(|error| Error::new(ErrorKind::InvalidInput, error))?;
+    if let Some(light) = lights.iter().position(|light| !light.iter().all(|c| c.is_finite())) {
+        let text = format!("light {light}: {:?}; expected finite numbers", lights[light]);
+        return Err(Error::new(ErrorKind::InvalidInput, text));
+    }
     if let Some(light) = list.directions.iter().position(|direction| !is_above(direction)) {
         let text = format!("light {light}: {:?} is at or below the horizon; expected z greater than 0", lights[light]);
         return Err(Error::new(ErrorKind::InvalidInput, text));

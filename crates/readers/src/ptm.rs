@@ -21,6 +21,8 @@ pub static KIND: FileKind = FileKind {
 pub const TERMS: usize = 6;
 /// Version at the beginning of files.
 pub const VERSION: &str = "PTM_1.2";
+/// Version whose `PTM_FORMAT_LRGB` has the colour of each pixel after its coefficients.
+const INTERLEAVED: &str = "PTM_1.1";
 
 const RGB: &str = "PTM_FORMAT_RGB";
 const LRGB: &str = "PTM_FORMAT_LRGB";
@@ -208,9 +210,10 @@ impl Ptm {
     pub fn from_bytes(bytes: &[u8], decode: DecodeJpeg<'_>) -> Result<Self, FormatError> {
         let mut header = Words { bytes, at: 0, line: 1, whole: "a header of 16 words" };
         let version = header.word("version")?;
-        if version != VERSION {
-            return Err(header.wrong("version", quoted(version), VERSION));
+        if ![VERSION, INTERLEAVED].contains(&version) {
+            return Err(header.wrong("version", quoted(version), format!("{VERSION} or {INTERLEAVED}")));
         }
+        let is_interleaved = version == INTERLEAVED;
         let format = header.word("format")?;
         if ![RGB, LRGB, JPEG_RGB, JPEG_LRGB].contains(&format) {
             let known = format.starts_with("PTM_FORMAT_");
@@ -246,6 +249,9 @@ impl Ptm {
             // A block for each channel, or one for luminance and one for colour.
             let stride = |block: usize| if is_rgb || block == 0 { TERMS } else { 3 };
             PtmModel::of_planes(is_rgb, size, |plane, pixel| {
+                if is_interleaved && !is_rgb {
+                    return pixels[pixel * per_pixel + plane];
+                }
                 let block = plane / TERMS;
                 pixels[block * TERMS * count as usize + pixel * stride(block) + plane % TERMS]
             })?

@@ -1,6 +1,6 @@
 //! Lists of directions or positions of lights of photographs of one view, `.lp`. Layout: `crates/readers/src/rti_capture.md`.
 
-use super::scan::{has_decimal_comma, number, quoted};
+use super::scan::{has_decimal_comma, quoted};
 use crate::file_kind::{Begins, FileKind};
 use crate::text;
 use brdfc_formats::FormatError;
@@ -29,6 +29,8 @@ pub struct LightPositions {
     pub lines: Vec<u64>,
     /// Number of lights that the file states, if it does.
     pub stated: Option<usize>,
+    /// Names and lines of images whose vector is not finite.
+    pub not_finite: Vec<(String, u64)>,
     /// Positions of near lights, if the list has the line [`POSITIONS`]: from the middle of the images, in widths of them.
     pub positions: Option<Vec<[f64; 3]>>,
 }
@@ -37,16 +39,16 @@ impl LightPositions {
     /// Parses a file.
     ///
     /// # Errors
-    /// Returns an error for text that [`Self::parse`] rejects, NUL bytes, and invalid UTF-8.
+    /// Returns an error for text that [`Self::parse`] rejects, NUL bytes, and UTF-16.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        Self::parse(text::checked(bytes)?)
+        Self::parse(&text::of_any_editor(bytes)?)
     }
 
     /// Parses the text of a file: the number of lights, which may be missing or wrong, then a line `NAME X Y Z` for
-    /// each. Comments begin with `#`; one of them may be [`POSITIONS`].
+    /// each. Comments begin with `#`; one of them may be [`POSITIONS`]. Numbers may have a decimal comma.
     ///
     /// # Errors
-    /// Returns an error for no lights, more than [`MAX_LIGHTS`], a line that is not a name and three finite numbers,
+    /// Returns an error for no lights with finite numbers, more than [`MAX_LIGHTS`], a line that is not a name and three numbers,
     /// vectors of length 0, no light above the horizon, and an image that is named twice.
     pub fn parse(text: &str) -> Result<Self, FormatError> {
         let mut are_near = false;
@@ -61,7 +63,14 @@ impl LightPositions {
         })?;
         let stated = if is_light(content) { None } else { Some(light_count(content.trim(), first)?) };
         let positions = are_near.then(Vec::new);
-        let mut list = Self { names: Vec::new(), directions: Vec::new(), lines: Vec::new(), stated, positions };
+        let mut list = Self {
+            names: Vec::new(),
+            directions: Vec::new(),
+            lines: Vec::new(),
+            stated,
+            not_finite: Vec::new(),
+            positions,
+        };
         let mut seen = BTreeMap::new();
         for (line, content) in lines.skip(usize::from(stated.is_some())) {
             if list.names.len() == MAX_LIGHTS {
@@ -74,10 +83,18 @@ impl LightPositions {
                 let found = format!("{} is already on line {before}", quoted(name));
                 return Err(FormatError::at_line(line, "image", found, "each image once").problem());
             }
+            if !vector.iter().all(|c| c.is_finite()) {
+                list.not_finite.push((name.to_owned(), line));
+                continue;
+            }
             list.names.push(name.to_owned());
             list.directions.push(unit(vector, line)?);
             list.positions.iter_mut().for_each(|positions| positions.push(vector));
             list.lines.push(line);
+        }
+        if let ([], Some((_, line))) = (&list.lines[..], list.not_finite.first()) {
+            let found = "no finite vector in the list";
+            return Err(FormatError::at_line(*line, "direction", found, "three finite numbers").problem());
         }
         let Some(line) = list.lines.first() else {
             return Err(
@@ -132,10 +149,17 @@ fn light(content: &str, line: u64) -> Result<(&str, [f64; 3]), FormatError> {
     }
     let mut vector = [0.0; 3];
     for ((component, word), field) in vector.iter_mut().zip(tokens).zip(["x", "y", "z"]) {
-        *component = number(word, line, field)?;
+        *component = component_of(word, line, field)?;
     }
     let name = rest.strip_prefix('"').and_then(|name| name.strip_suffix('"')).filter(|name| !name.is_empty());
     Ok((name.unwrap_or(rest), vector))
+}
+
+/// A number with a decimal point or a comma.
+fn component_of(word: &str, line: u64, field: &'static str) -> Result<f64, FormatError> {
+    let wrong = || FormatError::at_line(line, field, quoted(word), "a number");
+    let with_point = if has_decimal_comma(word) { word.replacen(',', ".", 1) } else { word.to_owned() };
+    with_point.parse().map_err(|_| wrong())
 }
 
 /// Returns true if a line is a comment; names of images may begin with the same character.
@@ -242,12 +266,11 @@ mod tests {
             ("2\n\n", "line 1, lights: no lines after the first; expected a line for each light"),
             ("1\na 0 0 1\nb 0 0 1\nc", "line 4, light: found \"c\", expected the name of an image, then x y z"),
             ("1\n0 0 1\n", "line 2, light: found \"0 0 1\", expected the name of an image, then x y z"),
-            ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a finite number"),
-            ("1\na 0 0,5 1\n", "line 2, y: found \"0,5\", expected a finite number; use a decimal point"),
-            ("a 0 0 1,0\n", "line 1, z: found \"1,0\", expected a finite number; use a decimal point"),
+            ("1\na 0 zero 1\n", "line 2, y: found \"zero\", expected a number"),
+            ("1\na 0 0,5,1 1\n", "line 2, y: found \"0,5,1\", expected a number"),
             ("a 0 0 0\n", "line 1, direction: vector of length 0"),
-            ("1\na 0 0 inf\n", "line 2, z: found \"inf\""),
-            ("1\na NaN 0 1\n", "line 2, x: found \"NaN\""),
+            ("1\na 0 0 inf\n", "line 2, direction: no finite vector in the list; expected three finite numbers"),
+            ("1\na NaN 0 1\n", "line 2, direction: no finite vector"),
             ("1\n\na 0 -0 0\n", "line 3, direction: vector of length 0"),
             (
                 "1\na 0 1 0\n",
@@ -261,7 +284,6 @@ mod tests {
             assert!(message(text).starts_with(expected), "{text:?}: {}", message(text));
         }
         let message_of = |bytes: &[u8]| LightPositions::from_bytes(bytes).unwrap_err().to_string();
-        assert!(message_of(b"1\n\xff\xd8 0 0 1").starts_with("line 2, text: found byte 0xff"));
         assert!(message_of(b"1\n\0").starts_with("line 2, text: NUL byte"));
         let most = (0..MAX_LIGHTS).fold(format!("{MAX_LIGHTS}\n"), |text, k| text + &format!("{k} 0 {k} 1\n"));
         assert_eq!(LightPositions::parse(&most).unwrap().names.len(), MAX_LIGHTS);
@@ -281,6 +303,11 @@ mod tests {
             assert_eq!(list.directions.iter().map(is_above).collect::<Vec<_>>(), [true, true, false]);
             assert_eq!(list.lines[0], if stated.is_some() { 2 } else { 1 });
         }
+        let commas = read("3\na 0,6 0 0,8\nb 0.6 0 0.8\nc nan 0 1\n");
+        assert_eq!(
+            (commas.directions.clone(), commas.not_finite),
+            (vec![[0.6, 0.0, 0.8]; 2], vec![("c".to_owned(), 4)])
+        );
         let list = read("3\n\"a b.png\" 0 0 1\n\" 0 0 1\n\"\" 1 0 1\n");
         assert_eq!(list.names, ["a b.png", "\"", "\"\""]);
     }

@@ -1,6 +1,7 @@
 //! Checks of text files.
 
 use brdfc_formats::FormatError;
+use std::borrow::Cow;
 
 /// Longest line and longest record of a table, bytes.
 pub(crate) const MAX_LINE_BYTES: usize = 16 << 20;
@@ -31,6 +32,37 @@ pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
         start += line.len() + 1;
     }
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
+/// Characters of the bytes 0x80 to 0x9f in Windows-1252; the unassigned ones are control characters.
+const WINDOWS_1252: [char; 32] = [
+    '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž', '\u{8f}', '\u{90}', '‘', '’',
+    '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
+];
+
+/// Decodes text as people have it: Windows-1252 if it is not UTF-8, with a Ctrl-Z at its end, and with lines that end with CR
+/// alone.
+///
+/// # Errors
+/// Returns the errors of [`checked`] except for invalid UTF-8.
+pub(crate) fn of_any_editor(bytes: &[u8]) -> Result<Cow<'_, str>, FormatError> {
+    let bytes = bytes.strip_suffix(b"\x1a").unwrap_or(bytes);
+    let is_binary = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0);
+    let text = if is_binary || str::from_utf8(bytes).is_ok() {
+        Cow::Borrowed(checked(bytes)?)
+    } else {
+        let of_byte = |byte: &u8| match byte {
+            0x80..0xa0 => WINDOWS_1252[usize::from(byte - 0x80)],
+            _ => char::from(*byte),
+        };
+        let text: String = bytes.iter().map(of_byte).collect();
+        Cow::Owned(checked(text.as_bytes())?.to_owned())
+    };
+    let is_alone = |(at, _): (usize, &str)| !text[at + 1..].starts_with('\n');
+    if text.match_indices('\r').any(is_alone) {
+        return Ok(Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")));
+    }
+    Ok(text)
 }
 
 /// Error of a line that is too long.
@@ -67,6 +99,19 @@ mod tests {
             assert_eq!(message(bytes), "text: found UTF-16, expected UTF-8");
         }
         assert_eq!(message(b"\xff\xd8"), "line 1, text: found byte 0xff, expected UTF-8");
+    }
+
+    #[test]
+    fn text_of_other_editors() {
+        let read = |bytes: &[u8]| of_any_editor(bytes).unwrap().into_owned();
+        assert_eq!(read(b"\xef\xbb\xbfa \xc3\xa9\r\nb\x1a"), "a é\r\nb");
+        assert_eq!(read(b"Donn\xe9es \x80\n"), "Données €\n");
+        assert_eq!(read(b"2\ra\rb"), "2\na\nb");
+        assert_eq!(read(b"2\r\na\rb"), "2\na\nb");
+        assert_eq!(read(b""), "");
+        let message = |bytes: &[u8]| of_any_editor(bytes).unwrap_err().to_string();
+        assert_eq!(message(b"\xff\xfe1\0\n\0"), "text: found UTF-16, expected UTF-8");
+        assert!(message(b"\xe9\n\0").contains("NUL byte at byte 2"));
     }
 
     #[test]

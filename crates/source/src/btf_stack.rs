@@ -2,6 +2,7 @@
 
 use crate::InputError;
 use crate::photograph::{Image, common_size};
+use crate::rti_capture::is_of_macos;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::btf_stack::{StackContents, StackIndex, is_image};
@@ -123,6 +124,9 @@ fn list(
             ));
         }
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        if is_of_macos(Path::new(&entry.file_name())) {
+            continue;
+        }
         // Links are not followed, so there are no loops.
         let kind = entry.file_type().map_err(|error| InputError::io(&entry.path(), error))?;
         if kind.is_dir() {

@@ -11,9 +11,12 @@ use brdfc_readers::pixels::Pixels;
 use brdfc_readers::rti_capture::{LightPositions, is_above};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use unicode_normalization::UnicodeNormalization as _;
 
 /// Extension of the lists of lights.
 pub const EXTENSION: &str = "lp";
+/// Extensions of photographs.
+const IMAGES: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "exr"];
 /// Maximum number of files of a folder that are read.
 const MAX_ENTRIES: usize = 1 << 20;
 /// Minimum distance of a near light from the images, and maximum distance from their middle, in widths of them.
@@ -229,7 +232,7 @@ fn lists(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
             return Err(InputError::format(folder, error));
         }
         let path = entry.map_err(io)?.path();
-        if extension_of(&path) == EXTENSION && path.is_file() {
+        if extension_of(&path) == EXTENSION && path.is_file() && !is_of_macos(&path) {
             found.push(path);
         }
     }
@@ -250,8 +253,7 @@ fn read_list(path: &Path) -> Result<(PathBuf, LightPositions), InputError> {
 pub(crate) fn files_of_stack(path: &Path) -> Vec<PathBuf> {
     let Ok((list, lights)) = read_list(path) else { return Vec::new() };
     let folder = list.parent().unwrap_or(Path::new(""));
-    let photographs: Vec<PathBuf> = lights.names.iter().filter_map(|name| find(folder, name)).collect();
-    photographs.into_iter().chain([list]).collect()
+    photographs(folder, &lights.names).into_iter().flatten().chain([list]).collect()
 }
 
 fn the_list(folder: &Path) -> Result<PathBuf, InputError> {
@@ -276,14 +278,18 @@ type Found = (Vec<(usize, PathBuf)>, Vec<String>);
 /// Finds the image of each light above the horizon, and describes the other lights.
 fn files(list: &Path, lights: &LightPositions) -> Result<Found, InputError> {
     let folder = list.parent().unwrap_or(Path::new(""));
-    let (mut files, mut missing, mut behind) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut files, mut missing, mut behind, mut similar) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut seen = BTreeMap::new();
-    for (light, (name, line)) in lights.names.iter().zip(&lights.lines).enumerate() {
+    let lines = lights.names.iter().zip(&lights.lines).enumerate();
+    for ((light, (name, line)), file) in lines.zip(photographs(folder, &lights.names)) {
         let named = || format!("{name} (line {line})");
-        let Some(file) = find(folder, name) else {
+        let Some(file) = file else {
             missing.push(named());
             continue;
         };
+        if let Some(found) = file.file_name().filter(|found| **found != *last_component(name)) {
+            similar.push(format!("{} for {}", found.display(), named()));
+        }
         let whole = file.canonicalize().map_err(|error| InputError::io(&file, error))?;
         if let Some(before) = seen.insert(whole, line) {
             let found = format!("{name:?} is already on line {before}");
@@ -300,25 +306,85 @@ fn files(list: &Path, lights: &LightPositions) -> Result<Found, InputError> {
         // Lists have a light above the horizon, and its image is missing.
         let light = lights.directions.iter().position(is_above).unwrap_or(0);
         let found = format!("{:?} does not exist, like all images of lights above the horizon", lights.names[light]);
-        let allowed = "a path relative to this file, or a file next to it";
+        let allowed = "a path, or a file next to this one";
         let error = FormatError::at_line(lights.lines[light], "image", found, allowed);
         return Err(InputError::format(list, error.problem()));
     }
-    let stated = lights.stated.filter(|stated| *stated != lights.names.len());
-    let stated =
-        stated.map(|stated| format!("the list states {} and has {}", counted(stated, "light"), lights.names.len()));
+    let count = lights.names.len() + lights.not_finite.len();
+    let stated = lights.stated.filter(|stated| *stated != count);
+    let stated = stated.map(|stated| format!("the list states {} and has {count}", counted(stated, "light")));
     let left_out = |names: &[String], why: &str| {
         let named = join_truncated(names, MAX_NAMED);
         (!names.is_empty()).then(|| format!("left out {}, {why}: {named}", counted(names.len(), "light")))
     };
-    let others = [left_out(&missing, "without an image"), left_out(&behind, "at or below the horizon")];
+    let not_finite: Vec<String> =
+        lights.not_finite.iter().map(|(name, line)| format!("{name} (line {line})")).collect();
+    let renamed = (!similar.is_empty()).then(|| {
+        let named = join_truncated(&similar, MAX_NAMED);
+        format!("found {} under a similar name: {named}", counted(similar.len(), "image"))
+    });
+    let others = [
+        left_out(&missing, "without an image"),
+        left_out(&behind, "at or below the horizon"),
+        left_out(&not_finite, "with a vector that is not finite"),
+        renamed,
+    ];
     Ok((files, stated.into_iter().chain(others.into_iter().flatten()).collect()))
 }
 
-/// Finds a file by name: relative to `folder`, or else by its last component alone.
-fn find(folder: &Path, name: &str) -> Option<PathBuf> {
-    let slashes = name.replace('\\', "/");
-    let last = slashes.rsplit('/').next().unwrap_or("");
-    let candidates = [name, &*slashes, last].map(Path::new);
-    candidates.into_iter().filter(|name| name.is_relative()).map(|name| folder.join(name)).find(|path| path.is_file())
+/// Returns true for a file of attributes that macOS writes next to others on disks of other systems.
+pub(crate) fn is_of_macos(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("._"))
+}
+
+/// Finds the file of each name: by its path, or else by its last component in the folder. Names without one take a file of the
+/// folder that no other name has: the only one whose name differs in case or in the form of its accents, or else in the
+/// extension of an image.
+fn photographs(folder: &Path, names: &[String]) -> Vec<Option<PathBuf>> {
+    let exact = |name: &String| {
+        let slashes = name.replace('\\', "/");
+        let candidates = [name, &*slashes, last_component(name)];
+        candidates.into_iter().map(|name| folder.join(name)).find(|path| path.is_file())
+    };
+    let mut found: Vec<Option<PathBuf>> = names.iter().map(exact).collect();
+    if found.iter().all(Option::is_some) {
+        return found;
+    }
+    let taken: BTreeSet<PathBuf> = found.iter().flatten().filter_map(|path| path.canonicalize().ok()).collect();
+    let paths = std::fs::read_dir(folder).into_iter().flatten().take(MAX_ENTRIES).flatten().map(|entry| entry.path());
+    let is_free = |path: &PathBuf| {
+        path.is_file() && !is_of_macos(path) && path.canonicalize().is_ok_and(|path| !taken.contains(&path))
+    };
+    let mut left: Vec<(String, PathBuf)> = paths
+        .filter(is_free)
+        .map(|path| (normalised(&path.file_name().unwrap_or_default().to_string_lossy()), path))
+        .collect();
+    for of_extension in [false, true] {
+        for (found, name) in found.iter_mut().zip(names).filter(|(found, _)| found.is_none()) {
+            let name = normalised(last_component(name));
+            let is_it = |(listed, _): &(String, PathBuf)| match of_extension {
+                true => stem(&name).is_some() && stem(listed) == stem(&name),
+                false => *listed == name,
+            };
+            if left.iter().filter(|listed| is_it(listed)).count() == 1 {
+                *found = left.iter().position(is_it).map(|at| left.swap_remove(at).1);
+            }
+        }
+    }
+    found
+}
+
+/// A name without the extension of an image; `None` for others.
+fn stem(name: &str) -> Option<&str> {
+    name.rsplit_once('.').filter(|(_, extension)| IMAGES.contains(extension)).map(|(stem, _)| stem)
+}
+
+/// The part of a path after the last separator of any system.
+fn last_component(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or("")
+}
+
+/// A name in lower case, with composed accents.
+fn normalised(name: &str) -> String {
+    name.nfc().collect::<String>().to_lowercase()
 }

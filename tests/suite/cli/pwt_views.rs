@@ -131,7 +131,10 @@ fn wrong_views_are_errors_without_output() {
     assert!(refused.code == 2 && refused.stderr.contains("--view all does not apply to an output .ptm"), "{refused:?}");
     folder.run(&["pwt", "tile", "-o", "all.ktx2", "--view", "all"]).succeeded();
     let refused = folder.run(&["pwt", "all.ktx2", "-o", "out.ptm"]);
-    assert!(refused.code == 3 && refused.stderr.contains("views: found 7, expected a pack of one view, or the BTF itself"), "{refused:?}");
+    assert!(
+        refused.code == 3 && refused.stderr.contains("views: found 7, expected a pack of one view, or the BTF itself"),
+        "{refused:?}"
+    );
     let refused = folder.run(&["compare", "tile", "tile/none.ktx2"]);
     assert!(refused.code == 4 && refused.stderr.contains("tile/none.ktx2"), "{refused:?}");
     let most = u64::MAX.to_string();

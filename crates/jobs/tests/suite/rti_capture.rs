@@ -90,7 +90,8 @@ fn invalid_captures_are_not_written() {
     assert!(write(&[], 4).contains("number of lights: found 0"));
     assert!(write(&[[0.0, 1.0, 0.0]], 4).contains("at or below the horizon"));
     assert!(write(&[LIGHTS[0], [0.0, 1.0, 0.0]], 4).contains("light 1: [0.0, 1.0, 0.0] is at or below the horizon"));
-    assert!(write(&[[0.0, f32::NAN, 1.0]], 4).contains("found \"NaN\""));
+    assert!(write(&[[0.0, f32::NAN, 1.0]], 4).contains("no finite vector"));
+    assert!(write(&[[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]], 4).contains("light 1: [0.0, NaN, 1.0]; expected finite"));
     assert_eq!(write(&LIGHTS, 3), "3 pixels for an image of 2 x 2");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -197,14 +198,53 @@ fn names_may_have_folders_that_exist_or_not() {
         (stack.len(), stack.notes()),
         (1, &["left out 1 light, without an image: in/b.jpg (line 3)".to_owned()][..])
     );
-    std::fs::write(&list, "1\nin/b.jpg 1 1 1\n").unwrap();
-    let expected = "x.lp: line 2, image: \"in/b.jpg\" does not exist, like all images of lights above the horizon; \
-                    expected a path relative to this file, or a file next to it";
+    std::fs::write(&list, "1\nin/z.jpg 1 1 1\n").unwrap();
+    let expected = "x.lp: line 2, image: \"in/z.jpg\" does not exist, like all images of lights above the horizon; \
+                    expected a path, or a file next to this one";
     assert!(error(&list).ends_with(expected), "{}", error(&list));
     // The image of a light below the horizon exists, but nothing needs it.
-    std::fs::write(&list, "3\nb.png 0 0 -1\ngone.png 0 1 -1\nin/b.jpg 1 1 1\n").unwrap();
+    std::fs::write(&list, "3\nb.png 0 0 -1\ngone.png 0 1 -1\nin/z.jpg 1 1 1\n").unwrap();
     let expected = expected.replace("line 2", "line 4");
     assert!(error(&list).ends_with(&expected), "{}", error(&list));
+}
+
+/// Lists that were written on other systems: names in another case, form or extension, absolute paths, bytes of Windows-1252,
+/// commas, a vector that is not finite, and files of macOS.
+#[test]
+fn lists_of_other_systems() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = tempfile::tempdir().unwrap();
+    grey(&other.path().join("e.png"));
+    for file in ["a.png", "B.PNG", "caf\u{e9}.png", "d.png"] {
+        grey(&folder.path().join(file));
+    }
+    for file in ["._x.lp", "._a.png"] {
+        std::fs::write(folder.path().join(file), "attributes").unwrap();
+    }
+    let list = folder.path().join("x.lp");
+    let absolute = other.path().join("e.png");
+    let lines = format!(
+        "6\nA.png 0 0 1\nb.png 0,6 0 0,8\ncafe\u{301}.png 0 1 1\nd.tif 1 0 1\n{} 1 1 1\nf.png nan 0 1\n",
+        absolute.display()
+    );
+    std::fs::write(&list, &lines).unwrap();
+    let stack = RtiCapture::open(folder.path()).unwrap();
+    let files: Vec<_> = (0..stack.len()).map(|light| stack.file(light).to_owned()).collect();
+    let expected = ["a.png", "B.PNG", "caf\u{e9}.png", "d.png"].map(|name| folder.path().join(name));
+    assert_eq!(files, [&expected[..], &[absolute]].concat());
+    let notes = [
+        "left out 1 light, with a vector that is not finite: f.png (line 7)",
+        "found 4 images under a similar name: a.png for A.png (line 2), B.PNG for b.png (line 3), caf\u{e9}.png for \
+         cafe\u{301}.png (line 4) and 1 more",
+    ];
+    assert_eq!(stack.notes(), notes);
+    // A file that two names could mean, or that another line names, is none.
+    grey(&folder.path().join("d.jpg"));
+    std::fs::write(&list, "3\na.png 0 0 1\nd.tif 1 0 1\na.jpg 1 1 1\n").unwrap();
+    let stack = RtiCapture::open(folder.path()).unwrap();
+    assert_eq!(stack.notes(), ["left out 2 lights, without an image: d.tif (line 3), a.jpg (line 4)"]);
+    std::fs::write(&list, b"1\rC:\\Donn\xe9es\\a.png 0 0 1\r\x1a").unwrap();
+    assert_eq!(RtiCapture::open(folder.path()).unwrap().file(0), folder.path().join("a.png"));
 }
 
 #[test]

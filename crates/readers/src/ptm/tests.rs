@@ -33,6 +33,21 @@ fn rows_run_from_the_bottom_and_colours_follow_all_coefficients() {
     assert_eq!(ptm.value(3, [0.3, -0.9]), [11.0, 21.0, 31.0].map(|code: f32| 50.5 * code / 255.0));
 }
 
+#[test]
+fn older_files_have_the_colour_of_a_pixel_after_its_coefficients() {
+    let bytes = lrgb(HEADER);
+    let (header, pixels) = bytes.split_at(HEADER.len());
+    let (luminance, colour) = pixels.split_at(4 * TERMS);
+    let pairs = luminance.chunks(TERMS).zip(colour.chunks(3));
+    let interleaved: Vec<u8> = pairs.flat_map(|(a, b)| [a, b].concat()).collect();
+    let older =
+        [header.to_vec(), interleaved].concat().strip_prefix(b"PTM_1.2").map(|rest| [b"PTM_1.1", rest].concat());
+    assert_eq!(read(&older.clone().unwrap()), read(&bytes));
+    // Control: the same bytes with the other version are another map.
+    let other = [b"PTM_1.2", &older.unwrap()[7..]].concat();
+    assert_ne!(read(&other), read(&bytes));
+}
+
 /// Each term alone, with its own byte.
 #[test]
 fn terms_are_in_the_order_of_the_paper() {
@@ -89,7 +104,7 @@ fn headers_have_line_ends_where_they_like() {
 fn headers_that_are_wrong() {
     let with = |old: &str, new: &str| message(&lrgb(&HEADER.replacen(old, new, 1)));
     for (old, new, expected) in [
-        ("PTM_1.2", "PTM_1.1", "line 1, version: found \"PTM_1.1\", expected PTM_1.2"),
+        ("PTM_1.2", "PTM_1.0", "line 1, version: found \"PTM_1.0\", expected PTM_1.2 or PTM_1.1"),
         (
             "PTM_FORMAT_LRGB",
             "PTM_FORMAT_JPEGLS_LRGB",
