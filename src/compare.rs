@@ -109,7 +109,11 @@ pub fn flat_btfs(a: &Input, b: &Input) -> Result<FlatComparison, Error> {
         }
         // A file that is missing or damaged, first.
         if let Some(file) = input.path().filter(|path| !path.is_dir()) {
-            File::open(file).map_err(|error| InputError::Io { name: input.to_string(), error })?;
+            let opened = file.metadata().and_then(|metadata| match metadata.is_file() {
+                true => File::open(file).map(drop),
+                false => Ok(()),
+            });
+            opened.map_err(|error| InputError::Io { name: input.to_string(), error })?;
             if input.extension()? == "ktx2" {
                 open_pack(input)?;
             }

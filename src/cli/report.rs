@@ -166,7 +166,10 @@ fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Res
     let is_csv = |bytes: &[u8]| [CSV_HEADER, FLAT_CSV_HEADER].iter().any(|h| bytes.starts_with(first(h).as_bytes()));
     let is_json =
         |bytes: &[u8]| serde_json::from_slice(bytes).is_ok_and(|json: serde_json::Value| json.get("version").is_some());
-    let is_own = |path: &Path| match std::fs::read(path) {
+    let is_own = |path: &Path| match std::fs::metadata(path).and_then(|file| match file.is_file() {
+        true => std::fs::read(path),
+        false => Ok(Vec::new()),
+    }) {
         Ok(bytes) if path == csv_path => is_csv(&bytes),
         Ok(bytes) => is_json(&bytes),
         Err(_) => true,

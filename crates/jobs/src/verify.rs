@@ -12,7 +12,7 @@ use crate::write::folder_of;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_formats::Pack;
 use brdfc_source::json::json_problem;
-use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_file};
+use brdfc_source::read::{MAX_FILE_BYTES, MAX_TEXT_BYTES, read_regular_file};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -150,7 +150,7 @@ impl Checks {
     /// Adds a `report.json` or a `MATERIAL.json`, distinguished by content, not by name.
     fn add_json(&mut self, path: &Path) -> Result<(), Error> {
         self.hold(folder_of(path))?;
-        let is_list = read_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| {
+        let is_list = read_regular_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| {
             let parsed: Result<serde_json::Value, _> = serde_json::from_slice(&bytes);
             parsed.is_ok_and(|value| value.get("material").is_some())
         });
@@ -217,7 +217,7 @@ fn pack_kind(bytes: &[u8]) -> Result<&'static str, String> {
 
 /// The bytes of a file, and the fault if their hash differs from the listed one.
 fn bytes_of(path: &Path, limit: u64, listed: Option<Digest>) -> Result<(Vec<u8>, Option<String>), String> {
-    let bytes = read_file(path, limit).map_err(|error| {
+    let bytes = read_regular_file(path, limit).map_err(|error| {
         let text = error.to_string();
         text.strip_prefix(&format!("{}: ", path.display())).map_or(text.clone(), str::to_owned)
     })?;
@@ -253,7 +253,7 @@ fn report_fault(report: &BuildReport) -> Option<String> {
 }
 
 fn list_in(path: &Path) -> Result<MaterialFile, String> {
-    let bytes = read_file(path, MAX_TEXT_BYTES).map_err(|error| error.to_string())?;
+    let bytes = read_regular_file(path, MAX_TEXT_BYTES).map_err(|error| error.to_string())?;
     let allowed = "the MATERIAL.json of a build by this version of brdfc";
     let list: MaterialFile = serde_json::from_slice(&bytes)
         .map_err(|error| format!("found {}, expected {allowed}", json_problem(&error)))?;
@@ -269,7 +269,7 @@ fn list_in(path: &Path) -> Result<MaterialFile, String> {
 /// Fault of a list. It must have the key/value data of its pack, including the checksum.
 fn list_fault(list: &MaterialFile, folder: &Path) -> Option<String> {
     let Some(name) = list.parts.get(PACK) else { return Some("no pack among the parts".to_owned()) };
-    let bytes = read_file(&folder.join(name), MAX_FILE_BYTES).ok()?;
+    let bytes = read_regular_file(&folder.join(name), MAX_FILE_BYTES).ok()?;
     (entries(&bytes) != list.report.entries).then(|| format!("the key/value data differ from the data in {name}"))
 }
 

@@ -113,6 +113,18 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     read_file_observed(path, limit, &mut ())
 }
 
+/// Same as [`read_file`] for files of a build, which are not pipes: nobody may ever write to one.
+///
+/// # Errors
+/// Returns the errors of [`read_file`], and one for pipes.
+pub fn read_regular_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
+    let metadata = path.metadata().map_err(|error| InputError::io(path, error))?;
+    if !metadata.is_file() && !metadata.is_dir() {
+        return Err(InputError::format(path, FormatError::whole("file", "a pipe or a device", "a file")));
+    }
+    read_file(path, limit)
+}
+
 /// Reads a file or a pipe to its end, at most `limit` bytes, and passes the bytes to an observer.
 ///
 /// # Errors

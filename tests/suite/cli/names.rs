@@ -412,3 +412,26 @@ fn named_pipes_are_read_as_files_are() {
         assert!(folder.read("named.ktx2") == folder.read("built/pipe.brdf.ktx2"), "{file}");
     }
 }
+
+/// Files of a build are never pipes: reading one would wait for a writer.
+#[test]
+#[cfg(unix)]
+fn pipes_in_place_of_files_of_a_build_do_not_hang() {
+    let folder = Folder::new();
+    folder.run(&["build", "synth:lambert", "--out", "packs", "--max-bytes", "1KiB"]).succeeded();
+    for file in ["lambert.brdf.ktx2", "lambert.json", "report.json"] {
+        let path = folder.path().join("packs").join(file);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+        let ran = folder.run(&["verify", "packs"]);
+        let expected = format!("packs/{file}: file: found a pipe or a device, expected a file");
+        assert!(ran.code == 1 && ran.stderr.contains(&expected), "{file}: {ran:?}");
+        let ran = folder.run(&["report", "packs", "-o", "page.html"]);
+        assert!(ran.code == 0 || ran.stderr.contains(&expected), "{file}: {ran:?}");
+        // The build makes the file again.
+        folder.run(&["build", "synth:lambert", "--out", "packs", "--max-bytes", "1KiB"]).succeeded();
+        folder.run(&["verify", "packs"]).succeeded();
+        assert_eq!(std::fs::read(&path).unwrap() == bytes, file != "report.json", "{file}");
+    }
+}

@@ -11,6 +11,7 @@ mod placed;
 use crate::error::Error;
 use crate::store::{DONE, Digest, FOLDER, Store, read_record, write_record};
 use brdfc_core::progress::Progress;
+use brdfc_source::read::{MAX_FILE_BYTES, read_regular_file};
 use journal::Journal;
 use placed::{PLACED, Placed, Placements};
 use std::collections::{BTreeMap, BTreeSet};
@@ -105,7 +106,7 @@ impl OutputFolder {
     /// Returns the bytes of a file that a build put in place; `None` if there is none with this hash.
     pub fn bytes(&self, digest: &Digest) -> Option<Vec<u8>> {
         let (name, _) = self.placements.files.iter().find(|(_, placed)| placed.digest == *digest)?;
-        let bytes = std::fs::read(self.path.join(name)).ok()?;
+        let bytes = read_regular_file(&self.path.join(name), MAX_FILE_BYTES).ok()?;
         (Digest::of(&bytes) == *digest).then_some(bytes)
     }
 
@@ -116,7 +117,7 @@ impl OutputFolder {
 
     /// Returns true if the folder has a file of this name with other bytes.
     pub fn holds_other(&self, name: &str, digest: &Digest) -> bool {
-        std::fs::read(self.path.join(name)).is_ok_and(|bytes| Digest::of(&bytes) != *digest)
+        read_regular_file(&self.path.join(name), MAX_FILE_BYTES).is_ok_and(|bytes| Digest::of(&bytes) != *digest)
     }
 
     /// Checks that a build may write files of these names.

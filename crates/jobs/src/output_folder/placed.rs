@@ -2,6 +2,7 @@
 
 use crate::file_name::is_plain;
 use crate::store::{Digest, Stamp};
+use brdfc_source::read::{MAX_FILE_BYTES, read_regular_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -64,7 +65,7 @@ impl Placements {
 fn stamp_if_unchanged(folder: &Path, name: &str, placed: &Placed) -> Option<Stamp> {
     let path = folder.join(name);
     let stamp = Stamp::of(&path.symlink_metadata().ok()?)?;
-    let unchanged =
-        placed.stamp == Some(stamp) || std::fs::read(&path).is_ok_and(|bytes| Digest::of(&bytes) == placed.digest);
+    let unchanged = placed.stamp == Some(stamp)
+        || read_regular_file(&path, MAX_FILE_BYTES).is_ok_and(|bytes| Digest::of(&bytes) == placed.digest);
     unchanged.then_some(stamp)
 }

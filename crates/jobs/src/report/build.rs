@@ -14,7 +14,7 @@ use crate::scene::run::{JobError, Made, MadeEnvironment, Outcome, Outcomes, PACK
 use crate::scene::scene_section::ENVIRONMENT;
 use crate::store::Digest;
 use brdfc_source::json::json_problem;
-use brdfc_source::read::read_file;
+use brdfc_source::read::read_regular_file;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -195,7 +195,7 @@ impl BuildReport {
     /// # Errors
     /// Returns an error if the file cannot be read or is no report.
     pub(crate) fn open_unchecked(path: &Path) -> Result<(Self, Digest, Option<String>), Error> {
-        let bytes = read_file(path, MAX_REPORT_BYTES)?;
+        let bytes = read_regular_file(path, MAX_REPORT_BYTES)?;
         let is_of_build = path.file_name().is_some_and(|name| name == REPORT);
         let remedy = if is_of_build { "; 'brdfc build' rewrites it" } else { "" };
         let rewritten = |what: &str| format!("{what}{remedy}");

@@ -2,7 +2,7 @@
 
 use super::material::MaterialReport;
 use crate::scene::maps::MapsReport;
-use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
+use brdfc_source::read::{MAX_TEXT_BYTES, read_regular_file};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ impl MaterialFile {
         let jsons =
             entries.filter(|path| path.extension().is_some_and(|extension| extension == "json") && path.is_file());
         let is_list = |path: &PathBuf| {
-            read_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| serde_json::from_slice::<Self>(&bytes).is_ok())
+            read_regular_file(path, MAX_TEXT_BYTES).is_ok_and(|bytes| serde_json::from_slice::<Self>(&bytes).is_ok())
         };
         let lists = jsons.filter(is_list).filter_map(|path| Some(path.file_name()?.to_str()?.to_owned()));
         let mut names: Vec<String> = lists.collect();

@@ -5,6 +5,7 @@ use super::record::{read_record, write_record};
 use super::staging::Staging;
 use super::stamp::Stamp;
 use crate::error::Error;
+use brdfc_source::read::{MAX_FILE_BYTES, read_regular_file};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -140,7 +141,7 @@ impl Store {
 
     /// Returns the bytes of a file if they match the hash.
     pub fn object(&self, digest: &Digest) -> Option<Vec<u8>> {
-        let bytes = std::fs::read(self.object_path(digest)).ok()?;
+        let bytes = read_regular_file(&self.object_path(digest), MAX_FILE_BYTES).ok()?;
         (Digest::of(&bytes) == *digest).then_some(bytes)
     }
 

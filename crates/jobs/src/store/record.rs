@@ -1,6 +1,7 @@
 //! Records: small internal files in `bincode`, with a checksum over the contents.
 
 use super::digest::Digest;
+use brdfc_source::read::read_regular_file;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -14,10 +15,7 @@ const LIMIT: usize = 64 << 20;
 
 /// Reads a record; `None` if it is missing, damaged, truncated or of another layout.
 pub fn read_record<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    if std::fs::metadata(path).ok()?.len() > LIMIT as u64 {
-        return None;
-    }
-    parsed(&std::fs::read(path).ok()?)
+    parsed(&read_regular_file(path, LIMIT as u64).ok()?)
 }
 
 fn parsed<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {

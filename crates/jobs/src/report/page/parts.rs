@@ -10,7 +10,7 @@ use brdfc_formats::{Pack, PackKind};
 use brdfc_importance::ImportanceFacts;
 use brdfc_lobes::LobesFacts;
 use brdfc_render::rendering::{Panel, bandwidth_panel};
-use brdfc_source::read::{MAX_FILE_BYTES, read_file};
+use brdfc_source::read::{MAX_FILE_BYTES, read_regular_file};
 use std::fmt::Display;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub struct PagePart {
 /// Returns an error if the file cannot be read, is no pack or differs from the listed one.
 pub(super) fn listed_pack(folder: &Path, listed: &[FileEntry], name: &str) -> Result<(Pack, u64), Error> {
     let path = folder.join(name);
-    let bytes = read_file(&path, MAX_FILE_BYTES)?;
+    let bytes = read_regular_file(&path, MAX_FILE_BYTES)?;
     let entry = listed.iter().find(|file| file.file == name);
     if entry.is_some_and(|file| file.blake3 != Digest::of(&bytes)) {
         return Err(wrong_file(&path, "changed since the build"));
