@@ -8,8 +8,8 @@ use super::progress::Materials;
 use super::{Common, Error};
 use brdfc::inspect::{AnyPack, open_pack};
 use brdfc::report::{
-    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv, flat_html, gather,
-    html, is_flat_btf, sheet_png,
+    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, PageOptions, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv,
+    flat_html, gather, html, is_flat_btf, sheet_png,
 };
 use brdfc::view::{ViewOptions, open_items, view_page};
 use brdfc::{Fraction, Input, Progress};
@@ -19,7 +19,8 @@ use std::path::{Path, PathBuf};
 
 /// Write a page about the packs in a folder, or about a flat BTF: renderings, errors, checks.
 ///
-/// The page is a single HTML file that works without a network and without scripts. The program writes the figures next
+/// The page is a single HTML file that works without a network and without scripts; of more than 100 materials, renderings
+/// are on pages of 100 next to it, such as REPORT-1.html. The program writes the figures next
 /// to the page, as .csv and .json files of the same name. The CPU's decoder draws the renderings. The page compares
 /// packs with their sources if the sources are still where the build found them.
 ///
@@ -32,6 +33,7 @@ use std::path::{Path, PathBuf};
 Examples:
   brdfc report packs -o report.html --sheet sheet.png
   brdfc report packs -o report.html --view view.html
+  brdfc report packs -o report.html --only missed
   brdfc report packs -o report.html --against last-week/report.json --tolerance 5%
   brdfc report button -o button.html")]
 pub struct Arguments {
@@ -49,12 +51,22 @@ pub struct Arguments {
     /// main page.
     #[arg(long, value_name = "VIEW.html")]
     view: Option<PathBuf>,
+    /// Builds only: leave out materials that met all their limits and requirements.
+    #[arg(long, value_name = "missed")]
+    only: Option<Only>,
     /// Builds only: compare with an earlier build, given by its report.json or folder.
     #[arg(long, value_name = "OLD")]
     against: Option<PathBuf>,
     /// Tolerance of --against: the fraction or percentage by which a figure may be worse, 0.05 or 5% (default: 2%).
     #[arg(long, value_name = "SHARE", default_value = "2%", requires = "against")]
     tolerance: Fraction,
+}
+
+/// Materials of the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Only {
+    /// Those that failed, or missed a limit or a requirement.
+    Missed,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -84,7 +96,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         refuse_overwriting("--sheet", path, &inputs)?;
         refuse_missing_folder(path)?;
     }
-    let reports = Reports::open(folder, against.as_deref())?;
+    let reports = Reports::open(folder, against.as_deref())?.only_missed(arguments.only.is_some());
     let built = reports.files();
     let built: Vec<&Path> = built.iter().map(PathBuf::as_path).collect();
     refuse_pages_over(output, [&csv_path, &json_path], &built)?;
@@ -97,8 +109,16 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     // An interrupt ends the process at once: each file is either complete or absent.
     let progress = Materials::new(reports.count(), false, common);
-    let mut page = gather(reports, tolerance, &progress)?;
-    page.view = write_view(arguments, &progress)?;
+    let view = write_view(arguments, &progress)?;
+    let name = output.file_name().unwrap_or_default().to_string_lossy();
+    let options = PageOptions { tolerance, name: &name, view, keeps_renderings: arguments.sheet.is_some() };
+    let files = [&built[..], &inputs].concat();
+    let mut write = |name: &str, page: &str| {
+        let path = output.with_file_name(name);
+        refuse_overwriting("--output", &path, &files)?;
+        write_file(&path, page.as_bytes())
+    };
+    let page = gather(reports, options, &mut write, &progress)?;
     drop(progress);
     write_file(&csv_path, csv(&page).as_bytes())?;
     write_file(&json_path, to_json(&page.report()).as_bytes())?;
@@ -201,7 +221,11 @@ fn refuse_other_pack(path: &Path) -> Result<(), Error> {
 /// Writes the page of a flat BTF.
 fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
-    let given = [(arguments.against.is_some(), "--against"), (arguments.sheet.is_some(), "--sheet")];
+    let given = [
+        (arguments.against.is_some(), "--against"),
+        (arguments.sheet.is_some(), "--sheet"),
+        (arguments.only.is_some(), "--only"),
+    ];
     let flags = given.map(|(given, flag)| (given, flag, "builds"));
     refuse_flags(format!("{}, a flat BTF", folder.display()), &flags)?;
     let file = flat_btf_file(folder)?;

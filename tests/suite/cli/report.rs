@@ -67,6 +67,39 @@ fn the_page_is_self_contained_and_agrees_with_the_build() {
     );
 }
 
+/// Renderings of many materials are on pages of 100; a page of missed limits leaves out the others.
+#[test]
+fn many_materials_have_pages_of_their_own() {
+    let folder = Folder::new();
+    let material = |name: String, more: &str| {
+        format!(
+            "[materials.{name}]\nsource = 'synth:lambert'\nmax_bytes = '1KiB'\n{more}[[uses]]\nmaterial = '{name}'\n"
+        )
+    };
+    let scene: String = (100..201).map(|k| material(format!("m{k}"), "")).collect();
+    let missed = "[materials.m999.require]\nmax_bytes = 10\n";
+    folder.write("scene.toml", scene + &material("m999".to_owned(), missed));
+    assert_eq!(folder.run(&["build", "scene.toml"]).code, 1);
+    let ran = folder.run(&["report", "packs", "-o", "page.html"]).succeeded();
+    assert!(ran.stderr.ends_with("page.html: 102 materials\n"), "{}", ran.stderr);
+    let [page, first, second] = ["page.html", "page-1.html", "page-2.html"].map(|name| folder.text(name));
+    assert!(!folder.path().join("page-3.html").exists());
+    assert!(page.contains("href=\"page-1.html#m100\"") && page.contains("href=\"page-2.html#m999\""));
+    assert!(!page.contains("<img") && page.len() < 200_000, "{}", page.len());
+    assert!(first.contains("id=\"m199\"") && !first.contains("id=\"m200\"") && first.contains("href=\"page.html\""));
+    assert!(second.contains("id=\"m200\"") && second.contains("id=\"m999\"") && second.matches("<img").count() > 4);
+    assert_eq!(folder.text("page.csv").lines().count(), 103);
+
+    let ran = folder.run(&["report", "packs", "-o", "missed.html", "--only", "missed", "--against", "packs"]);
+    assert!(ran.code == 1 && ran.stdout.lines().count() == 1 && ran.stdout.contains("m999"), "{ran:?}");
+    let page = folder.text("missed.html");
+    assert!(
+        page.contains("One material; 101 others passed and are left out") && page.contains("id=\"m999\""),
+        "{page}"
+    );
+    assert!(!page.contains("m100") && !folder.path().join("missed-1.html").exists());
+}
+
 #[test]
 fn a_page_that_draws_is_linked_to() {
     let folder = folder();

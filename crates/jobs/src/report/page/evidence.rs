@@ -16,7 +16,7 @@ use brdfc_render::rendering::{Panel, difference_panel, to_panel};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
 use brdfc_render::shade::{Reflectance, SourceReflectance, Turned, shade};
-use brdfc_render::trace::trace;
+use brdfc_render::trace::{Hits, trace};
 use brdfc_render::within::{outside, share_left_out, without};
 
 /// Pixels of a thumbnail, per side.
@@ -58,8 +58,30 @@ pub struct Evidence {
     pub by_angle: Option<ByAngle>,
 }
 
+/// The scenes of thumbnails, with what each pixel shows: the same for all materials.
+pub struct Stages(Vec<(Builtin, bool, Scene, Hits)>);
+
+impl Stages {
+    /// Builds the scenes and casts their rays.
+    pub fn new() -> Self {
+        let staged = |(builtin, turned): (Builtin, bool)| {
+            let scene = builtin.scene();
+            let hits = trace(&scene, FRAME);
+            (builtin, turned, scene, hits)
+        };
+        Self(SCENES.into_iter().chain([TURNED]).map(staged).collect())
+    }
+}
+
+impl Default for Stages {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// Draws and compares a pack and its source, and leaves out directions that the pack does not cover. Both renderings of a scene
-/// have the exposure of the source's rendering. `lit` are lobes of the material, and a ball in the light that they look up.
+/// have the exposure of the source's rendering. `lit` are lobes of the material, and a ball in the light that they look up;
+/// `stages` the scenes.
 ///
 /// # Errors
 /// Returns an error if the lobes of the source cannot be tabulated.
@@ -67,30 +89,41 @@ pub fn evidence(
     pack: &BrdfPack,
     source: Option<&dyn Source>,
     lit: Option<(&LobesPack, &LitBall)>,
+    Stages(stages): &Stages,
 ) -> Result<Evidence, Error> {
     let decoded = PackSource::new(&**pack, None);
-    let draw = |source: &dyn Source, (builtin, turned): (Builtin, bool)| -> (LinearImage, f64) {
-        let scene = builtin.scene();
+    let draw = |source: &dyn Source, turned: bool, scene: &Scene, hits: &Hits| -> (LinearImage, f64) {
         let reflectance = SourceReflectance(source);
         let turned = turned.then_some(Turned(&reflectance));
         let reflectance: &dyn Reflectance = turned.as_ref().map_or(&reflectance, |turned| turned);
         let materials = vec![reflectance; scene.parts.len()];
-        let hits = trace(&scene, FRAME);
-        let outside = outside(&scene, FRAME, &hits, &vec![pack.directions(); scene.parts.len()]);
-        let image = without(shade(&scene, FRAME, &hits, &materials), &outside);
-        (image, share_left_out(&hits, FRAME, &outside))
+        let outside = outside(scene, FRAME, hits, &vec![pack.directions(); scene.parts.len()]);
+        let image = without(shade(scene, FRAME, hits, &materials), &outside);
+        (image, share_left_out(hits, FRAME, &outside))
     };
     let isotropic = source.unwrap_or(&decoded).symmetry().isotropic;
-    let scenes = SCENES.into_iter().chain((!isotropic).then_some(TURNED));
-    let thumbnails = scenes.map(|scene| {
-        let (pack, left_out) = draw(&decoded, scene);
-        let source = source.map(|source| draw(source, scene).0);
-        Thumbnails { turned: scene.1, left_out, ..Thumbnails::of(scene.0, &pack, source.as_ref()) }
+    let stages = stages.iter().filter(|(_, turned, ..)| !turned || !isotropic);
+    let thumbnails = stages.map(|(builtin, turned, scene, hits)| {
+        let (pack, left_out) = draw(&decoded, *turned, scene, hits);
+        let source = source.map(|source| draw(source, *turned, scene, hits).0);
+        Thumbnails { turned: *turned, left_out, ..Thumbnails::of(*builtin, &pack, source.as_ref()) }
     });
     let thumbnails = thumbnails.collect();
     let in_environment = lit.map(|(lobes, ball)| ball.thumbnails(lobes, source)).transpose()?;
     let by_angle = source.map(|source| by_angle(source, &decoded, &PairSet::within(pack.directions())));
     Ok(Evidence { thumbnails, in_environment, by_angle })
+}
+
+impl Evidence {
+    /// Keeps figures only.
+    pub(super) fn drop_renderings(&mut self) {
+        self.thumbnails.clear();
+        let none = || Panel { width: 0, height: 0, rgb: Vec::new() };
+        if let Some(lit) = &mut self.in_environment {
+            (lit.source, lit.pack) = (None, none());
+            lit.difference = lit.difference.take().map(|(_, mean)| (none(), mean));
+        }
+    }
 }
 
 impl Thumbnails {

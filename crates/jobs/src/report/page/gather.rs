@@ -1,9 +1,10 @@
 //! Gathers the contents of a page: the report in a folder, its packs, and their sources if they still exist.
 
 use super::against::{Regression, regressions};
-use super::evidence::{Evidence, LitBall, evidence};
+use super::evidence::{Evidence, LitBall, Stages, evidence};
+use super::html::part_html;
 use super::parts::{PagePart, listed_pack, map_part, wrong_kind};
-use super::view_link::ViewLink;
+use super::view_link::{ViewLink, escaped};
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
 use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
@@ -36,6 +37,40 @@ pub struct Page {
     pub regressions: Vec<Regression>,
     /// The viewer page to link to.
     pub view: Option<ViewLink>,
+    /// Number of materials that are left out because they passed.
+    pub left_out: usize,
+    /// Names of the pages with the renderings of [`PER_PAGE`] materials each; empty if this page has them.
+    pub parts: Vec<String>,
+}
+
+/// Materials of a page. Of more, renderings are on pages of their own.
+pub const PER_PAGE: usize = 100;
+
+impl Page {
+    /// Address of a material's section.
+    pub(super) fn address(&self, material: &str) -> String {
+        let at = self.materials.binary_search_by(|one| one.entry.material.as_str().cmp(material));
+        let part = at.ok().and_then(|at| self.parts.get(at / PER_PAGE)).map_or(String::new(), |part| escaped(part));
+        format!("{part}#{material}")
+    }
+
+    /// Name of the first material of a part.
+    pub(super) fn first_of(&self, part: usize) -> &str {
+        self.materials.get(part * PER_PAGE).map_or("", |material| &material.entry.material)
+    }
+}
+
+/// Settings of [`gather`].
+#[derive(Debug, Clone)]
+pub struct PageOptions<'a> {
+    /// Relative growth of figures that is no regression.
+    pub tolerance: f64,
+    /// Name of the page, from which other pages are named.
+    pub name: &'a str,
+    /// The viewer page to link to.
+    pub view: Option<ViewLink>,
+    /// True to keep the renderings of pages that are written.
+    pub keeps_renderings: bool,
 }
 
 /// One material of a page.
@@ -59,6 +94,8 @@ pub struct Reports {
     folder: PathBuf,
     new: BuildReport,
     old: Option<BuildReport>,
+    /// True to leave out materials that passed.
+    only_missed: bool,
     /// No build moves files meanwhile.
     _held: Option<File>,
 }
@@ -80,7 +117,12 @@ impl Reports {
             let _held = OutputFolder::hold_still(folder_of(path))?;
             BuildReport::open(path)
         };
-        Ok(Self { folder: folder.to_owned(), new, old: against.map(old).transpose()?, _held: held })
+        Ok(Self { folder: folder.to_owned(), new, old: against.map(old).transpose()?, only_missed: false, _held: held })
+    }
+
+    /// Leaves out materials that passed, or not.
+    pub fn only_missed(self, only_missed: bool) -> Self {
+        Self { only_missed, ..self }
     }
 
     /// All files of the build (packs, maps and lists) and the sources of its packs.
@@ -100,43 +142,76 @@ impl Reports {
         named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
     }
 
-    /// Number of materials in the newer build.
+    /// Number of materials of the page.
     pub fn count(&self) -> usize {
-        self.new.materials.len()
+        self.new.materials.iter().filter(|entry| !self.only_missed || !entry.passed()).count()
     }
 }
 
-/// Draws the packs of a folder and their sources. `tolerance` is the relative growth of figures that is no regression.
+/// Draws the packs of a folder and their sources. Of more than [`PER_PAGE`] materials, `write` receives names and contents of
+/// the pages with their renderings, and the page itself has none: renderings of thousands of materials exceed the memory.
 ///
 /// # Errors
-/// Returns an error if a pack cannot be read or differs from the report.
-pub fn gather(reports: Reports, tolerance: f64, progress: &dyn Progress) -> Result<Page, Error> {
-    let Reports { folder, new: report, old, _held } = reports;
+/// Returns an error if a pack cannot be read or differs from the report, and those of `write`.
+pub fn gather(
+    reports: Reports,
+    options: PageOptions<'_>,
+    write: &mut dyn FnMut(&str, &str) -> Result<(), Error>,
+    progress: &dyn Progress,
+) -> Result<Page, Error> {
+    let Reports { folder, new: mut report, old, only_missed, _held } = reports;
     let folder = folder.as_path();
     let notes = notes(folder);
     let is_compared = old.is_some();
-    let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, tolerance));
+    let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, options.tolerance));
     let (environment, ball) = report.environment.map(|entry| environment(folder, entry)).transpose()?.unzip();
     let ball = ball.flatten();
+    let stages = Stages::new();
     let drawn = |entry: MaterialEntry| {
         progress.check()?;
         let note = notes.get(&entry.material).cloned().unwrap_or_default();
         let name = entry.material.clone();
         let part = progress.part(&name);
-        let material = material(folder, entry, note, ball.as_ref());
+        let material = material(folder, entry, note, ball.as_ref(), &stages);
         part.finished(material.is_ok());
         material
     };
-    let materials = report.materials.into_par_iter().map(drawn).collect::<Result<_, Error>>()?;
-    Ok(Page {
+    let all = report.materials.len();
+    report.materials.retain(|entry| !only_missed || !entry.passed());
+    let count = report.materials.len();
+    let parts = if count > PER_PAGE { (1..=count.div_ceil(PER_PAGE)).collect() } else { Vec::new() };
+    let mut page = Page {
         scene: report.scene,
-        materials,
+        materials: Vec::with_capacity(count),
         environment,
         skipped: report.skipped,
         is_compared,
         regressions,
-        view: None,
-    })
+        view: options.view,
+        left_out: all - count,
+        parts: parts.into_iter().map(|part| part_name(options.name, part)).collect(),
+    };
+    let mut entries = report.materials.into_iter();
+    while page.materials.len() < count {
+        let next: Vec<MaterialEntry> = entries.by_ref().take(PER_PAGE).collect();
+        let mut next = next.into_par_iter().map(drawn).collect::<Result<Vec<_>, Error>>()?;
+        if let Some(name) = page.parts.get(page.materials.len() / PER_PAGE) {
+            write(name, &part_html(&page, &next, options.name))?;
+            if !options.keeps_renderings {
+                next.iter_mut().filter_map(|material| material.evidence.as_mut()).for_each(Evidence::drop_renderings);
+            }
+        }
+        page.materials.append(&mut next);
+    }
+    Ok(page)
+}
+
+/// Name of a page of sections: that of the page, with a number before its extension.
+fn part_name(name: &str, part: usize) -> String {
+    match name.rsplit_once('.') {
+        Some((stem, extension)) => format!("{stem}-{part}.{extension}"),
+        None => format!("{name}-{part}"),
+    }
 }
 
 fn material(
@@ -144,6 +219,7 @@ fn material(
     entry: MaterialEntry,
     note: BuiltNote,
     ball: Option<&LitBall>,
+    stages: &Stages,
 ) -> Result<PageMaterial, Error> {
     let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
         return Ok(PageMaterial { entry, note, evidence: None, maps: Vec::new(), without_source: None });
@@ -166,7 +242,7 @@ fn material(
         }
     }
     let of_source = source.as_ref().ok().map(|source| source.as_ref() as &dyn Source);
-    let evidence = evidence(&pack, of_source, lobes.as_ref().zip(ball))?;
+    let evidence = evidence(&pack, of_source, lobes.as_ref().zip(ball), stages)?;
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
 }
 

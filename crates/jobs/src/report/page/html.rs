@@ -5,7 +5,7 @@ use super::figures::{albedos, error_over_bytes, errors_by_angle};
 use super::gather::{Page, PageMaterial};
 use super::markup::{colour_scale, document, image};
 use super::parts::PagePart;
-use super::view_link::ViewLink;
+use super::view_link::{ViewLink, escaped};
 use crate::report::material::{MaterialReport, remarks};
 use crate::scene::lobes::LobesReport;
 use brdfc_core::words::{bytes, percent};
@@ -22,6 +22,7 @@ pub fn html(page: &Page) -> String {
     let content = html! {
         p {
             @if count == 1 { "One material" } @else { (count) " materials" }
+            @if page.left_out > 0 { "; " (page.left_out) " others passed and are left out" }
             @if failed > 0 { ", " span.bad { (failed) " of them failed or missed a requirement" } }
             ". ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
              1 is just visible); ε_r is the mean relative error of values."
@@ -39,11 +40,30 @@ pub fn html(page: &Page) -> String {
         (regressions(page))
         (table(page))
         (lobes(page))
-        (sheet(page))
-        @for material in &page.materials { (section(material, page.view.as_ref())) }
+        @if page.parts.is_empty() {
+            h3 { "All packs" }
+            (sheet(&page.materials))
+            @for material in &page.materials { (section(material, page.view.as_ref())) }
+        } @else {
+            h3 { "Renderings" }
+            p { @for (number, part) in page.parts.iter().enumerate() {
+                a href=(escaped(part)) { (page.first_of(number)) } " "
+            } }
+        }
         (environment(page))
     };
     document(&format!("{}: packs and their errors", page.scene), &content)
+}
+
+/// Writes a page with the sections of some materials of `page`, whose file is `name`.
+pub(super) fn part_html(page: &Page, materials: &[PageMaterial], name: &str) -> String {
+    let [first, last] = [materials.first(), materials.last()].map(|one| one.map_or("", |one| &one.entry.material));
+    let content = html! {
+        p { a href=(escaped(name)) { "All materials" } }
+        (sheet(materials))
+        @for material in materials { (section(material, page.view.as_ref())) }
+    };
+    document(&format!("{}: {first} to {last}", page.scene), &content)
 }
 
 fn regressions(page: &Page) -> Markup {
@@ -54,7 +74,7 @@ fn regressions(page: &Page) -> Markup {
                 div.scroll { table {
                     thead { tr { th { "material" } th.left { "figure" } th { "before" } th { "now" } th { "growth" } } }
                     tbody { @for worse in &page.regressions { tr {
-                        td { a href={ "#" (worse.material) } { (worse.material) } }
+                        td { a href=(page.address(&worse.material)) { (worse.material) } }
                         td.left { (worse.figure) }
                         td.words[worse.growth.is_none()] { (worse.before) } td.bad.words[worse.growth.is_none()] { (worse.now) }
                         td { @if let Some(growth) = worse.growth { (percent(growth)) } @else { "-" } }
@@ -87,7 +107,7 @@ fn table(page: &Page) -> Markup {
                 @let entry = &material.entry;
                 tr {
                     td {
-                        a href={ "#" (entry.material) } { (breakable(&entry.material)) }
+                        a href=(page.address(&entry.material)) { (breakable(&entry.material)) }
                         @if entry.retained { " " span.soft { "retained" } }
                     }
                     @if let Some(report) = &entry.report {
@@ -123,7 +143,7 @@ fn lobes(page: &Page) -> Markup {
             div.scroll { table.all {
                 thead { tr { @for name in ["material", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %", ""] { (head(name)) } } }
                 tbody { @for (name, lobes) in rows { tr {
-                    td { a href={ "#" (name) } { (breakable(name)) } }
+                    td { a href=(page.address(name)) { (breakable(name)) } }
                     td { (lobes.facts.fetches) }
                     td data-value=(lobes.bytes_on_disk) { (bytes(lobes.bytes_on_disk)) }
                     td data-value=(lobes.facts.gpu_bytes) { (bytes(lobes.facts.gpu_bytes)) }
@@ -141,11 +161,10 @@ fn share(value: f64) -> Markup {
 }
 
 /// Renderings of all packs, each above its difference image.
-fn sheet(page: &Page) -> Markup {
+fn sheet(materials: &[PageMaterial]) -> Markup {
     html! {
-        h3 { "All packs" }
         p.soft { "ΔE is of the rendering shown. In the table it is the mean over a ball under each of three distant lights." }
-        div.sheet { @for material in &page.materials {
+        div.sheet { @for material in materials {
             @if let Some(thumbnails) = material.evidence.as_ref().and_then(|evidence| evidence.thumbnails.first()) {
                 figure {
                     a href={ "#" (material.entry.material) } { (image(&thumbnails.pack, &material.entry.material)) }

@@ -15,9 +15,9 @@ mod view_link;
 
 pub use against::{Regression, regressions};
 pub use csv::{CSV_HEADER, FLAT_CSV_HEADER, csv, flat_csv};
-pub use evidence::{Evidence, LitBall, Thumbnails, evidence};
+pub use evidence::{Evidence, LitBall, Stages, Thumbnails, evidence};
 pub use flat::{FlatPage, flat_html, is_flat_btf};
-pub use gather::{Page, PageMaterial, Reports, gather, source_of};
+pub use gather::{PER_PAGE, Page, PageMaterial, PageOptions, Reports, gather, source_of};
 pub use html::html;
 pub use parts::PagePart;
 pub use sheet::sheet;

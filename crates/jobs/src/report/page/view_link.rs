@@ -37,7 +37,7 @@ pub fn source_name(material: &str) -> String {
 }
 
 /// Percent-encodes every byte except letters, digits, `-`, `_` and `.`.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for byte in text.bytes() {
         match byte {
