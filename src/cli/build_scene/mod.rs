@@ -124,7 +124,7 @@ pub(super) fn print_diagnostics(build: &Build, built: &Built, common: Common, co
     }
     if count_cached && cached > 0 {
         let verb = if cached == 1 { "has" } else { "have" };
-        let which = format!("{} from an earlier build {verb}", counted(cached, "material"));
+        let which = format!("{} from the cache {verb}", counted(cached, "material"));
         remark(common, &format!("note: {which} notes; 'brdfc report' lists them"));
     }
     for line in built.outcomes.problems() {

@@ -260,7 +260,7 @@ fn notes_of_cached_materials_are_counted() {
     let second = Watch::new(&folder, &["dark.binary", "black.binary", "--codec", "table"]);
     let lines = second.until("watching ");
     assert!(!lines.iter().any(|line| line.contains(black)), "{lines:?}");
-    let count = "note: 2 materials from an earlier build have notes; 'brdfc report' lists them";
+    let count = "note: 2 materials from the cache have notes; 'brdfc report' lists them";
     assert!(lines.iter().any(|line| line == count), "{lines:?}");
     // A different black.
     folder.run(&["synth", "lambert?kd=0", "-o", "new.binary", "--dimensions", "6x6x14"]).succeeded();
