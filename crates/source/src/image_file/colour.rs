@@ -5,10 +5,7 @@ use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_readers::colour::{decode_srgb, encode_srgb};
 use brdfc_readers::pixels::Pixels;
-use moxcms::{
-    Chromaticity, ColorPrimaries, ColorProfile, DataColorSpace, Matrix3d, ParsingOptions, ProfileText, ToneReprCurve,
-    XyY,
-};
+use moxcms::{ColorProfile, DataColorSpace, Matrix3d, ParsingOptions, ProfileText, ToneReprCurve, XyY, adapt_to_d50_d};
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
@@ -21,6 +18,10 @@ const LINEAR_ROUNDING: f64 = 2e-5;
 const COMPARED: usize = 256;
 /// Pixels of a task.
 const CHUNK: usize = 1 << 14;
+/// Least of the areas that a white and two primaries enclose, and of the y of a white.
+const MIN_AREA: f64 = 1e-4;
+/// Chromaticities of the primaries (ITU-R BT.709, item 1.3).
+const REC_709: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 /// White D65 (ITU-R BT.709, item 1.4).
 const D65: [f64; 2] = [0.3127, 0.3290];
 /// Chromaticities of the red, green and blue primaries of Adobe RGB (1998), whose white is D65.
@@ -287,25 +288,29 @@ fn transform(matrix: &Matrix, v: [f64; 3]) -> [f64; 3] {
 
 /// Matrix to Rec. 709 from RGB whose XYZ columns are relative to the white D50.
 fn from_d50(columns: Matrix3d) -> Matrix {
-    let rec709 = ColorProfile::colorants_matrix(XyY::new(D65[0], D65[1], 1.0), ColorPrimaries::BT_709);
-    rec709.inverse().mat_mul(columns).v
+    columns_of(REC_709, D65).inverse().mat_mul(columns).v
 }
 
-/// Matrix to Rec. 709 from RGB of some primaries, adapted to the white D65 by the Bradford transform.
-pub(super) fn from_primaries(stated: &str, primaries: [[f64; 2]; 3], white: [f64; 2]) -> Result<Matrix, FormatError> {
-    let [red, green, blue] = primaries.map(|[x, y]| Chromaticity::new(x as f32, y as f32));
-    // Twice the area of the triangle of the primaries, around the white.
+/// XYZ of primaries, adapted to the white D50 by the Bradford transform.
+fn columns_of(primaries: [[f64; 2]; 3], white: [f64; 2]) -> Matrix3d {
+    let [r, g, b] = primaries.map(|[x, y]| [x, y, 1.0 - x - y]);
+    let white = XyY::new(white[0], white[1], 1.0);
+    let columns = Matrix3d { v: std::array::from_fn(|k| [r[k], g[k], b[k]]) };
+    adapt_to_d50_d(ColorProfile::rgb_to_xyz_d(columns, white.to_xyzd()), white)
+}
+
+/// Matrix to Rec. 709 from RGB of some primaries, whose white becomes D65.
+fn from_primaries(stated: &str, primaries: [[f64; 2]; 3], white: [f64; 2]) -> Result<Matrix, FormatError> {
+    // Twice the areas of the triangles between the white and two primaries.
     let area = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     let [r, g, b] = primaries;
     let parts = [[r, g, white], [g, b, white], [b, r, white]].map(area);
-    let inside = parts.iter().all(|part| *part > 1e-4) || parts.iter().all(|part| *part < -1e-4);
-    if !(inside && white[1] > 1e-3) {
-        let found = format!("{primaries:?} around {white:?}");
-        return Err(FormatError::whole(format!("primaries of {stated}"), found, "a triangle around the white"));
+    let is_inside = parts.iter().all(|part| *part > MIN_AREA) || parts.iter().all(|part| *part < -MIN_AREA);
+    if is_inside && white[1] > MIN_AREA {
+        return Ok(from_d50(columns_of(primaries, white)));
     }
-    let columns =
-        ColorProfile::colorants_matrix(XyY::new(white[0], white[1], 1.0), ColorPrimaries { red, green, blue });
-    Ok(from_d50(columns))
+    let found = format!("{primaries:?} around {white:?}");
+    Err(FormatError::whole(format!("primaries of {stated}"), found, "a triangle around the white"))
 }
 
 /// Name of a profile, on one line.

@@ -5,6 +5,7 @@ use super::{Ask, Depth, Header, ImageReader, Orientation, Purpose, Raster, Sampl
 use brdfc_formats::FormatError;
 use std::fmt::Display;
 use tiff::ColorType;
+use tiff::decoder::ifd::Value;
 use tiff::decoder::{Decoder, DecodingResult, DecodingSampleType, Limits};
 use tiff::tags::Tag;
 
@@ -143,9 +144,11 @@ fn colour<R: ImageReader>(
         return Colour::of_profile(&icc, channels);
     }
     let mut pairs = |tag| -> Result<Option<Vec<[f64; 2]>>, FormatError> {
-        let value = decoder.find_tag(tag).map_err(|error| broken(ask, error))?;
-        let value = value.map(|value| value.into_f64_vec()).transpose().map_err(|error| broken(ask, error))?;
-        Ok(value.map(|numbers| numbers.as_chunks().0.to_vec()))
+        let Some(Value::List(values)) = decoder.find_tag(tag).map_err(|error| broken(ask, error))? else {
+            return Ok(None);
+        };
+        let numbers: Option<Vec<f64>> = values.iter().map(number).collect();
+        Ok(numbers.map(|numbers| numbers.as_chunks().0.to_vec()))
     };
     let (white, primaries) = (pairs(Tag::Unknown(318))?, pairs(Tag::Unknown(319))?);
     let primaries = match (white.as_deref(), primaries.as_deref()) {
@@ -158,6 +161,15 @@ fn colour<R: ImageReader>(
         (Depth::F32, primaries) => Colour::of_curve(stated, Curve::LINEAR, primaries),
         (_, None) => Ok(Colour::srgb("sRGB (not stated)")),
         (_, Some(primaries)) => Colour::of_srgb_curve(stated, primaries),
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Rational(n, d) => Some(f64::from(*n) / f64::from(*d)),
+        Value::Float(value) => Some(f64::from(*value)),
+        Value::Double(value) => Some(*value),
+        _ => None,
     }
 }
 
