@@ -5,7 +5,7 @@ pub mod environment;
 mod error;
 pub mod flat_btf;
 mod format;
-pub mod image_file;
+mod image_file;
 mod input;
 pub mod input_files;
 pub mod json;

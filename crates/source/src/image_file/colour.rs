@@ -1,6 +1,6 @@
 //! Colour of code values: what a file states, and the conversion to linear RGB of Rec. 709.
 
-use super::{Raster, Samples};
+use super::raster::{Raster, Samples};
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_readers::colour::{decode_srgb, encode_srgb};

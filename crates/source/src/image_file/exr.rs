@@ -1,7 +1,10 @@
 //! EXR: the only colour layer, placed into the display window.
 
+use super::ask::{Ask, ImageReader, Purpose, rewind};
 use super::colour::{Colour, Curve};
-use super::{Ask, Depth, Header, ImageReader, Orientation, Purpose, Raster, Samples};
+use super::header::Header;
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
 use brdfc_core::words::{join_truncated, one_line};
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::{filled, summary};
@@ -196,7 +199,7 @@ fn heights(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
 
 pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
     let (parts, layer) = open(&mut reader, ask)?;
-    super::rewind(&mut reader, ask)?;
+    rewind(&mut reader, ask)?;
     let part = &parts[layer.part];
     let (size, display, position) = windows(part);
     let channels = layer.channels.len();

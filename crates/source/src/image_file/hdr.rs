@@ -1,7 +1,10 @@
 //! Radiance HDR: its header, which says what the pixels have been multiplied by, and RGBE or XYZE pixels.
 
+use super::ask::{Ask, ImageReader};
 use super::colour::{Colour, Curve};
-use super::{Ask, Depth, Header, ImageReader, Orientation, Raster, Samples};
+use super::header::Header;
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
 use brdfc_core::words::format_number;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::filled;

@@ -1,9 +1,12 @@
 //! JPEG: its segments about colour and orientation, and pixels of complete files.
 
+use super::ask::{Ask, ImageReader, Purpose};
 use super::colour::Colour;
 use super::exif::Exif;
+use super::header::Header;
 use super::jpeg_scan::Scans;
-use super::{Ask, Depth, Header, ImageReader, Orientation, Purpose, Raster, Samples};
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::filled;
 use image::ImageDecoder;

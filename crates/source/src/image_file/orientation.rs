@@ -1,6 +1,6 @@
 //! Orders of pixels other than rows from the top, from left to right.
 
-use super::{Raster, Samples};
+use super::raster::{Raster, Samples};
 use std::fmt;
 
 /// An orientation, numbered 1 to 8 as in TIFF and EXIF.

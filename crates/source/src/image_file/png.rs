@@ -1,8 +1,11 @@
 //! PNG: its chunks about colour, and pixels of 8 or 16 bits.
 
+use super::ask::{Ask, ImageReader, Purpose, rewind};
 use super::colour::{Colour, Curve};
 use super::exif::Exif;
-use super::{Ask, Depth, Header, ImageReader, Orientation, Purpose, Raster, Samples};
+use super::header::Header;
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::filled;
 use moxcms::{CicpProfile, ColorProfile, MatrixCoefficients, TransferCharacteristics};
@@ -32,7 +35,7 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
 
 pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
     let length = reader.seek(std::io::SeekFrom::End(0)).unwrap_or(u64::MAX);
-    super::rewind(&mut reader, ask)?;
+    rewind(&mut reader, ask)?;
     let mut reader = open(&mut reader, ask)?;
     let info = reader.info();
     let size = [info.width as usize, info.height as usize];

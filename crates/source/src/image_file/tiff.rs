@@ -1,9 +1,14 @@
 //! TIFF: the first page that is no reduced copy, by the fields that say what its samples are.
 
+use super::ask::{Ask, ImageReader, Purpose};
 use super::colour::{Colour, Curve};
-use super::{Ask, Depth, Header, ImageReader, Orientation, Purpose, Raster, Samples};
+use super::header::Header;
+use super::jpeg::check as check_jpeg;
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
 use brdfc_formats::FormatError;
 use std::fmt::Display;
+use std::io::Read;
 use tiff::ColorType;
 use tiff::decoder::ifd::Value;
 use tiff::decoder::{Decoder, DecodingResult, DecodingSampleType, Limits};
@@ -17,6 +22,9 @@ const MAX_PAGES: usize = 4096;
 /// Bits of `NewSubfileType` of reduced images and of masks, and the value of `SubfileType` of full images.
 const REDUCED_OR_MASK: u32 = 0b101;
 const FULL: u32 = 1;
+/// Values of `Compression`.
+const UNCOMPRESSED: u16 = 1;
+const JPEG: u16 = 7;
 const ALLOWED: &str = "grey or RGB of unsigned integers of 8 or 16 bits, or of floats";
 
 /// The page to read, and its number from 1.
@@ -49,6 +57,7 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
 pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
     let Page { mut decoder, channels, .. } = open(&mut reader, ask)?;
     let (width, height) = decoder.dimensions().map_err(|error| broken(ask, error))?;
+    check_lengths(&mut decoder, ask)?;
     let mut samples = DecodingResult::U8(Vec::new());
     let layout = decoder.read_image_to_buffer(&mut samples).map_err(|error| broken(ask, error))?;
     if samples.as_buffer(0).byte_len() < layout.complete_len {
@@ -72,6 +81,43 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
         _ => return Err(ask.broken("samples of another type")),
     };
     Ok(Raster { size, channels, samples })
+}
+
+/// Checks that strips or tiles are complete: the decoder reads on beyond uncompressed ones, and fills JPEGs with grey.
+fn check_lengths<R: ImageReader>(decoder: &mut Decoder<R>, ask: &Ask<'_>) -> Result<(), FormatError> {
+    let compression: Option<u16> = decoder.find_tag_unsigned(Tag::Compression).map_err(|error| broken(ask, error))?;
+    let mut all = |tags: [Tag; 2]| -> Result<Vec<u64>, FormatError> {
+        let found = tags.map(|tag| decoder.find_tag_unsigned_vec(tag).map_err(|error| broken(ask, error)));
+        let [strips, tiles] = found;
+        Ok(strips?.or(tiles?).unwrap_or_default())
+    };
+    let lengths = all([Tag::StripByteCounts, Tag::TileByteCounts])?;
+    if compression == Some(JPEG) {
+        let offsets = all([Tag::StripOffsets, Tag::TileOffsets])?;
+        let tables = decoder.find_tag(Tag::JPEGTables).map_err(|error| broken(ask, error))?;
+        let tables = tables.map(Value::into_u8_vec).transpose().map_err(|error| broken(ask, error))?;
+        // Tables are between markers of the start and the end of an image.
+        let tables =
+            tables.as_deref().and_then(|tables| tables.get(..tables.len().checked_sub(2)?)).unwrap_or_default();
+        for (offset, length) in offsets.into_iter().zip(lengths) {
+            let mut part = tables.to_vec();
+            let skipped = if tables.is_empty() { 0 } else { 2 };
+            decoder.goto_offset_u64(offset.saturating_add(skipped)).map_err(|error| broken(ask, error))?;
+            let length = length.saturating_sub(skipped);
+            decoder.inner().take(length).read_to_end(&mut part).map_err(|error| broken(ask, error))?;
+            check_jpeg(&part).map_err(|problem| ask.broken(problem))?;
+        }
+        return Ok(());
+    }
+    if compression.is_some_and(|compression| compression != UNCOMPRESSED) {
+        return Ok(());
+    }
+    let stated = lengths.into_iter().fold(0, u64::saturating_add);
+    let expected = decoder.image_buffer_layout().map_err(|error| broken(ask, error))?.complete_len as u64;
+    if stated < expected {
+        return Err(ask.broken(format!("strips or tiles of {stated} of {expected} bytes: the TIFF is truncated")));
+    }
+    Ok(())
 }
 
 fn interleaved<T: Copy>(samples: Vec<T>, planes: usize, expected: usize, ask: &Ask<'_>) -> Result<Vec<T>, FormatError> {

@@ -2,9 +2,8 @@
 //! independent formulas in f64; and files that lack pixels.
 
 use brdfc_source::Input;
-use brdfc_source::image_file::CodeValues;
 use brdfc_source::meso::heights_from_exr;
-use brdfc_source::photograph::Image;
+use brdfc_source::photograph::{CodeValues, Image};
 use brdfc_source::radiance_image::{from_exr, from_hdr};
 use brdfc_source::rti_capture::RtiCapture;
 use brdfc_source::tile_image::{open_colours, open_shares};
@@ -690,11 +689,28 @@ fn images_that_lost_data_are_refused() {
         let error = photograph(&large, "jpg", None).unwrap_err();
         assert!(error.contains("the JPEG of 8192 x 8192 pixels is truncated or broken"), "{error}");
     }
-    // Rows of a PNG whose checksums are right, and of a TIFF of one strip.
-    let whole = png8(&[]);
-    let (data, length) = (whole.windows(4).position(|name| name == b"IDAT").unwrap(), whole.len());
-    let cut = [&whole[..data - 4], &whole[length - 12..]].concat();
-    assert!(photograph(&cut, "png", None).is_err());
+    // Rows of a PNG whose checksums are right.
+    let mut rows = Vec::new();
+    let mut encoder = png::Encoder::new(&mut rows, SIZE[0] as u32, SIZE[1] as u32 / 2);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&eight()[..SIZE[0] * SIZE[1] * 3 / 2]).unwrap();
+    writer.finish().unwrap();
+    // The header of the whole image, and the pixels of half of it.
+    let half = [&png8(&[])[..33], &rows[33..]].concat();
+    let error = photograph(&half, "png", None).unwrap_err();
+    assert!(error.contains("not have enough data for image"), "{error}");
+    // The lengths of strips of a TIFF, and the strips.
+    let whole = tiff::<colortype::RGB8>(&eight(), &[]);
+    let field = [279u16.to_le_bytes(), 4u16.to_le_bytes()].concat();
+    let at = whole.windows(4).position(|window| window == field).unwrap();
+    let count = u32::from_le_bytes(whole[at + 4..at + 8].try_into().unwrap());
+    let place = u32::from_le_bytes(whole[at + 8..at + 12].try_into().unwrap()) as usize;
+    let lengths = if count == 1 { at + 8 } else { place };
+    let mut short = whole.clone();
+    short[lengths..lengths + 4].copy_from_slice(&100u32.to_le_bytes());
+    let error = photograph(&short, "tif", None).unwrap_err();
+    assert!(error.contains("the TIFF is truncated"), "{error}");
     for samples in [2, SIZE[0] * 3, SIZE[0] * SIZE[1] * 3 / 2] {
         let short = tiff::<colortype::RGB8>(&eight(), &[]);
         assert!(photograph(&short[..short.len().min(8 + samples)], "tif", None).is_err(), "{samples}");
