@@ -52,7 +52,7 @@ impl Subject {
         Ok(match kind {
             Kind::Material(resolution, reading) => Self::Material(crate::open_with(input, reading)?, resolution),
             Kind::Environment if radiance == Some(false) => {
-                let FileImage { width, height, pixels } = image()?;
+                let FileImage { width, height, pixels, .. } = image()?;
                 Self::Environment(Environment { width, height, pixels })
             }
             Kind::Environment => Self::Environment(open_image(input)?),

@@ -23,6 +23,16 @@ pub fn open_surroundings(input: &Input) -> Result<Surroundings, Error> {
     Ok(open_environment(input)?.into())
 }
 
+/// Same as [`open_surroundings`], with what an image states about its pixels, such as its exposure, and what was done.
+///
+/// # Errors
+/// Same as [`open_surroundings`].
+pub fn open_surroundings_with_conversions(input: &Input) -> Result<(Surroundings, Vec<String>), Error> {
+    let file = open_environment(input)?;
+    let conversions = file.conversions().to_vec();
+    Ok((file.into(), conversions))
+}
+
 /// Same as [`open_surroundings`], as a latitude-longitude image; of a cube map, four faces wide.
 ///
 /// # Errors

@@ -11,6 +11,8 @@ pub use brdfc_formats::direction_set::DirectionSet;
 pub use brdfc_jobs::btf_stack::StackFormat;
 pub use brdfc_jobs::file_name::is_device;
 pub use brdfc_jobs::flatten::{
-    AssetFile, FlatAsset, FlattenJob, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run, words,
+    AssetFile, FlatAsset, FlattenJob, ImageFacts, MesoOptions, PLANE, Surface, Values, open_asset, read_report, run,
+    words,
 };
 pub use brdfc_source::ordinary_btf::OrdinaryBtf;
+pub use brdfc_source::photograph::CodeValues;

@@ -14,4 +14,5 @@ pub use brdfc_pwt::normals::SurfaceMaps;
 pub use brdfc_pwt::ptm::MapModel;
 pub use brdfc_pwt::{DomainName, LightSamples, PwtRecipe, PwtTextureFacts, Target, Views, Wavelet};
 pub use brdfc_readers::ptm::Ptm;
+pub use brdfc_source::photograph::CodeValues;
 pub use brdfc_source::ptm::EXTENSION as PTM;

@@ -6,7 +6,7 @@ use super::progress::{Materials, label};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::StageClock;
-use brdfc::environment::{EnvironmentFacts, EnvironmentHeader, open_surroundings};
+use brdfc::environment::{EnvironmentFacts, EnvironmentHeader, open_surroundings_with_conversions};
 use brdfc::{Input, Progress as _, Stage};
 use brdfc_terminal::values::any_whole_number;
 use clap::Args;
@@ -53,6 +53,8 @@ pub struct Report {
     image: [usize; 2],
     /// Number of images: 6 faces of a cube map, or 1.
     faces: usize,
+    /// Colour and other statements of the image, such as its exposure, and what was done; empty for cube maps.
+    conversions: Vec<String>,
     /// Bytes of the file.
     bytes_on_disk: usize,
     /// Seconds from reading to writing.
@@ -72,7 +74,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let part = progress.part(&name);
     let clock = StageClock::new(part.as_ref());
     clock.stage(Stage::Read, 1)?;
-    let surroundings = open_surroundings(&arguments.input)?;
+    let (surroundings, conversions) = open_surroundings_with_conversions(&arguments.input)?;
     let pack = surroundings.prefilter(arguments.side, &clock).map_err(|error| error.prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let bytes = pack.to_bytes(true);
@@ -87,6 +89,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         facts: EnvironmentFacts::new(&pack),
         image: [width, height],
         faces,
+        conversions,
         bytes_on_disk: bytes.len(),
         seconds,
     };
@@ -110,6 +113,9 @@ impl Report {
         let [width, height] = self.image;
         let faces = if self.faces == 1 { String::new() } else { format!("{} faces of ", self.faces) };
         lines.push(("image", format!("{faces}{width} x {height} pixels")));
+        if !self.conversions.is_empty() {
+            lines.push(("colour", self.conversions.join("; ")));
+        }
         lines.push(("bytes on disk", table::bytes(self.bytes_on_disk as u64)));
         lines.push(("seconds", format!("{:.2}", self.seconds)));
         lines_of(&lines)

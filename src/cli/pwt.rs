@@ -6,8 +6,9 @@ use super::output::{json_or, note, output_parser, print, print_report, refuse_fl
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
-    DomainName, HoldOut, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
-    PwtTextureFacts, StackErrors, Target, ViewChoice, Wavelet, any_above_white, make, make_map, recipe_of_map,
+    CodeValues, DomainName, HoldOut, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe,
+    PwtReport, PwtTextureFacts, StackErrors, Target, ViewChoice, Wavelet, any_above_white, make, make_map,
+    recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
 use brdfc_terminal::usage::share;
@@ -76,6 +77,10 @@ pub struct Arguments {
     /// View of a BTF, 0 to the number of views - 1, or all (default: 0).
     #[arg(long, alias = "views", value_name = "V|all", value_parser = view_choice, allow_hyphen_values = true)]
     view: Option<ViewChoice>,
+    /// Read the code values of photographs as linear or as sRGB, in spite of what the files state (default: as stated, or
+    /// else sRGB for integers and linear for floats).
+    #[arg(long, value_name = "ENCODING", value_parser = one_of(&CODE_VALUES))]
+    photographs: Option<CodeValues>,
     /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]
     tile: bool,
@@ -135,6 +140,10 @@ pub struct Arguments {
     no_supercompression: bool,
 }
 
+/// Meanings of code values.
+pub(super) const CODE_VALUES: [(&str, CodeValues, &str); 2] =
+    [("linear", CodeValues::Linear, "Proportional to light"), ("srgb", CodeValues::Srgb, "sRGB")];
+
 const MODELS: [(&str, MapModel, &str); 2] = [
     ("rgb", MapModel::Rgb, "One polynomial per channel"),
     ("lrgb", MapModel::Lrgb, "One polynomial, multiplied by a colour"),
@@ -166,6 +175,9 @@ pub struct Report {
     made: Made,
     #[serde(flatten)]
     images: ImageReports,
+    /// Colour of the code values of photographs, and how they were converted; absent without photographs in files.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    colour: Option<String>,
     /// Notes about the input, such as lights without an image, and photographs that are black everywhere.
     notes: Vec<String>,
     /// Seconds per stage.
@@ -322,7 +334,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     arguments.images.check(output, inputs)?;
     refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "an output .ptm")])?;
     let start = Instant::now();
-    let input = LightInput::open(&arguments.input, arguments.view)?;
+    let input = LightInput::open_as(&arguments.input, arguments.view, arguments.photographs)?;
+    let colour = input.colour().map(str::to_owned);
     let basis = input.basis();
     if matches!(input, LightInput::Pack(_)) && output.is_some() && !is_map {
         let text = format!("{}: already a pack; choose an --output that ends in .ptm", arguments.input);
@@ -357,13 +370,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     why.into_iter().for_each(|line| notes.add(line));
     let Some(output) = output else {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
-        let text = images.summary();
-        let report = Report { version: 1, made: Made::Images, images, notes: notes.lines, seconds };
+        let text = images.summary() + &colour_line(colour.as_deref());
+        let report = Report { version: 1, made: Made::Images, images, colour, notes: notes.lines, seconds };
         return print(&json_or(common, &report, text));
     };
     if let Some((map, errors)) = made {
         let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
-        return write_map(output, &map, (model, errors), images, notes, seconds);
+        return write_map(output, &map, (model, errors), (images, colour), notes, seconds);
     }
     let [width, height] = samples.view_size();
     if samples.repeats && recipe.depth.is_none() && (width % 2 == 1 || height % 2 == 1) {
@@ -380,8 +393,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if !report.met {
         note(common, &arguments.input, "no pack meets the target; wrote the best pack");
     }
-    let text = summary(&report, seconds) + &images.summary();
-    let report = Report { version: 1, made: Made::Pwt(report), images, notes: notes.lines, seconds };
+    let text = summary(&report, seconds) + &images.summary() + &colour_line(colour.as_deref());
+    let report = Report { version: 1, made: Made::Pwt(report), images, colour, notes: notes.lines, seconds };
     print_report(common, output, &json_or(common, &report, text))?;
     missed.map_or(Ok(()), |text| Err(Error::check(text)))
 }
@@ -420,7 +433,7 @@ fn write_map(
     output: &Path,
     map: &Ptm,
     (model, errors): (MapModel, StackErrors),
-    images: ImageReports,
+    (images, colour): (ImageReports, Option<String>),
     Notes { common, lines: notes, .. }: Notes<'_>,
     seconds: Seconds,
 ) -> Result<(), Error> {
@@ -435,8 +448,16 @@ fn write_map(
         format!("{:.2}", errors.psnr),
         format!("{:.2}", errors.delta_e),
     ];
-    let text = table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row]) + &images.summary();
-    print_report(common, output, &json_or(common, &Report { version: 1, made, images, notes, seconds }, text))
+    let text = table::plain(&["pixels", "layout", "bytes", "dB", "mean ΔE"], &[row])
+        + &images.summary()
+        + &colour_line(colour.as_deref());
+    let report = Report { version: 1, made, images, colour, notes, seconds };
+    print_report(common, output, &json_or(common, &report, text))
+}
+
+/// Line of the colour of photographs.
+fn colour_line(colour: Option<&str>) -> String {
+    colour.map_or(String::new(), |colour| format!("\ncolour  {colour}\n"))
 }
 
 fn summary(report: &PwtReport, seconds: Seconds) -> String {

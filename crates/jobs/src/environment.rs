@@ -22,7 +22,7 @@ impl From<EnvironmentFile> for Surroundings {
     /// A prefiltered environment counts as its finest level, which is not filtered.
     fn from(file: EnvironmentFile) -> Self {
         match file {
-            EnvironmentFile::Image(RadianceImage { width, height, pixels }) => {
+            EnvironmentFile::Image(RadianceImage { width, height, pixels, .. }) => {
                 Self::Image(Environment { width, height, pixels })
             }
             EnvironmentFile::Cube(cube) => Self::Cube(FilteredCube::new(cube.side() as usize, cube.texels())),

@@ -1,7 +1,7 @@
 //! Folders of images, one per view and light: ordinary BTFs.
 
 use crate::InputError;
-use crate::photograph::{Image, common_size};
+use crate::photograph::{CodeValues, Common, Image, common_header};
 use crate::rti_capture::is_of_macos;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
@@ -19,7 +19,8 @@ const MAX_ENTRIES: usize = 1 << 20;
 pub struct BtfStack {
     folder: PathBuf,
     index: StackIndex,
-    size: [usize; 2],
+    common: Common,
+    codes: Option<CodeValues>,
 }
 
 impl BtfStack {
@@ -29,16 +30,24 @@ impl BtfStack {
     ///
     /// # Errors
     /// Returns an error for unreadable files, names that [`StackIndex::new`] rejects, files that are not PNG, JPEG or
-    /// EXR, and images of different sizes or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a
-    /// side.
+    /// EXR, and images of different sizes or orientations or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE)
+    /// pixels along a side.
     pub fn open(folder: &Path) -> Result<Self, InputError> {
+        Self::open_as(folder, None)
+    }
+
+    /// Same as [`Self::open`], with the meaning of code values in spite of what the images state.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::open`].
+    pub fn open_as(folder: &Path, codes: Option<CodeValues>) -> Result<Self, InputError> {
         let mut paths = Vec::new();
         let mut entries = 0;
         list(folder, "", LEVELS, &mut entries, &mut paths)?;
         let mut index = StackIndex::new(&paths).map_err(|error| InputError::format(folder, error))?;
         (index.views.name, index.lights.name) = ("of the images".to_owned(), "of the images".to_owned());
-        let size = size_of(folder, &index.files)?;
-        Ok(Self { folder: folder.to_owned(), index, size: size.map(|n| n as usize) })
+        let common = common_of(folder, &index.files, codes)?;
+        Ok(Self { folder: folder.to_owned(), index, common, codes })
     }
 
     /// Directions to the viewer.
@@ -53,12 +62,22 @@ impl BtfStack {
 
     /// Width and height of every image, pixels.
     pub fn size(&self) -> [usize; 2] {
-        self.size
+        self.common.size
+    }
+
+    /// Colour of the code values of the images, and how they are converted.
+    pub fn colour(&self) -> &str {
+        &self.common.colour
+    }
+
+    /// Differences in colour, and other statements of the images that are applied.
+    pub fn notes(&self) -> &[String] {
+        &self.common.notes
     }
 
     /// Reads one image, by its indices in [`BtfStack::views`] and [`BtfStack::lights`], without caching it.
     ///
-    /// PNG and JPEG hold sRGB values, and their colour profiles are ignored; EXR holds linear values. Alpha is ignored.
+    /// Colours are converted as the file states them; see [`Self::colour`]. Alpha is ignored.
     ///
     /// # Errors
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
@@ -70,20 +89,20 @@ impl BtfStack {
                 return Err(InputError::format(&self.folder, error));
             }
         }
-        Image::read(&self.folder.join(self.index.file(view, light)), self.size)
+        Image::read(&self.folder.join(self.index.file(view, light)), self.size(), self.codes)
     }
 }
 
-/// Lists the images of a folder, complete or not, with their size.
+/// Lists the images of a folder, complete or not, with what their headers have in common.
 ///
 /// # Errors
 /// Returns the errors of [`BtfStack::open`], but accepts folders in which images are missing.
-pub fn survey(folder: &Path) -> Result<(StackContents, [u32; 2]), InputError> {
+pub fn survey(folder: &Path) -> Result<(StackContents, Common), InputError> {
     let mut paths = Vec::new();
     list(folder, "", LEVELS, &mut 0, &mut paths)?;
     let contents = StackContents::new(&paths).map_err(|error| InputError::format(folder, error))?;
-    let size = size_of(folder, &contents.files)?;
-    Ok((contents, size))
+    let common = common_of(folder, &contents.files, None)?;
+    Ok((contents, common))
 }
 
 /// Returns true if a folder or one of its subfolders has a file with the extension of an image.
@@ -100,9 +119,9 @@ pub fn images_of(folder: &Path) -> Vec<PathBuf> {
     contents.map_or_else(Vec::new, |contents| contents.files.iter().map(|file| folder.join(file)).collect())
 }
 
-fn size_of(folder: &Path, files: &[String]) -> Result<[u32; 2], InputError> {
+fn common_of(folder: &Path, files: &[String], codes: Option<CodeValues>) -> Result<Common, InputError> {
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
-    common_size(&paths, files.first().map_or("", String::as_str)).map(|(size, _)| size)
+    common_header(&paths, files.first().map_or("", String::as_str), codes)
 }
 
 /// Lists the files below `folder`, with `/` between folders, after `prefix`.

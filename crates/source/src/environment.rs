@@ -23,6 +23,13 @@ pub enum EnvironmentFile {
     Pack(EnvironmentPack),
 }
 
+impl EnvironmentFile {
+    /// Colour and other statements of an image, such as its exposure, and what was done; empty for other files.
+    pub fn conversions(&self) -> &[String] {
+        if let Self::Image(image) = self { &image.conversions } else { &[] }
+    }
+}
+
 /// Opens an environment.
 ///
 /// # Errors
@@ -74,7 +81,7 @@ mod tests {
     fn images_are_twice_as_wide_as_high() {
         let shape = |width, height| {
             let pixels = vec![[1.0; 3]; width * height];
-            image(RadianceImage { width, height, pixels }).map(drop).map_err(|error| error.to_string())
+            image(RadianceImage::new([width, height], pixels)).map(drop).map_err(|error| error.to_string())
         };
         for (width, height) in [(64, 32), (63, 32), (65, 32), (1, 1), (2, 1)] {
             assert_eq!(shape(width, height), Ok(()));

@@ -3,12 +3,11 @@
 pub mod btf_stack;
 pub mod environment;
 mod error;
-mod exr_header;
 pub mod flat_btf;
 mod format;
+mod image_file;
 mod input;
 pub mod input_files;
-mod jpeg_end;
 pub mod json;
 mod merl;
 pub mod meso;

@@ -3,11 +3,10 @@
 use super::input::{Input, InputFile};
 use super::read::{found_extension, unknown_kind};
 use crate::InputError;
-use crate::exr_header::exr_headers;
-use brdfc_core::words::one_line;
+use crate::image_file::{self, Ask, Purpose, Samples};
 use brdfc_formats::FormatError;
 use brdfc_readers::meso::{TriangleMesh, obj, ply};
-use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text, read};
+use image::ImageFormat;
 use std::io::Cursor;
 use std::ops::RangeInclusive;
 
@@ -16,8 +15,6 @@ pub const HEIGHT_MAP_SIDE: RangeInclusive<usize> = 4..=8192;
 /// Maximum number of pixels of a height map: each is a vertex, and larger ones cannot be flattened in a reasonable
 /// time.
 pub const HEIGHT_MAP_PIXELS: usize = 1 << 20;
-/// Largest compression ratio of a deflate stream.
-const MAX_DEFLATE_RATIO: usize = 1032;
 
 /// Geometry of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +34,8 @@ pub struct HeightMap {
     pub height: usize,
     /// Row by row from the top of the image, which is `y = 1`; finite. 0 to 1 from PNG, as stored from EXR.
     pub heights: Vec<f32>,
+    /// Statements of the file about its pixels, and what was done.
+    pub conversions: Vec<String>,
 }
 
 /// Opens a mesh (`.obj`, `.ply`) or a height map (`.png`, `.exr`).
@@ -87,91 +86,38 @@ fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), Fo
 /// Returns an error for files that are not PNG, sizes beyond [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], colour,
 /// palettes, transparency, and fewer than 8 bits.
 pub fn heights_from_png(bytes: &[u8]) -> Result<HeightMap, FormatError> {
-    let allowed = "a grey PNG of 8 or 16 bits";
-    let broken = |error: png::DecodingError| FormatError::whole("PNG", one_line(&error), allowed).problem();
-    let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    decoder.set_transformations(png::Transformations::IDENTITY);
-    // Reads the header only, without memory for the pixels.
-    let info = decoder.read_header_info().map_err(broken)?;
-    let (width, height) = (info.width as usize, info.height as usize);
-    check_size("PNG", width, height)?;
-    let sample_bytes = match (info.color_type, info.bit_depth) {
-        (png::ColorType::Grayscale, png::BitDepth::Eight) => 1,
-        (png::ColorType::Grayscale, png::BitDepth::Sixteen) => 2,
-        (colour, depth) => {
-            let kind = match colour {
-                png::ColorType::Grayscale => "grey",
-                png::ColorType::GrayscaleAlpha => "grey with transparency",
-                png::ColorType::Indexed => "a palette",
-                png::ColorType::Rgb => "RGB",
-                png::ColorType::Rgba => "RGB with transparency",
-            };
-            return Err(FormatError::whole("PNG", format!("{kind}, {} bits", depth as u8), allowed));
-        }
-    };
-    let size = width * height * sample_bytes;
-    if size / MAX_DEFLATE_RATIO > bytes.len() {
-        let found = format!("{} bytes for {width} x {height} pixels", bytes.len());
-        return Err(FormatError::whole("PNG", found, format!("{} or more", size / MAX_DEFLATE_RATIO)));
-    }
-    let mut reader = decoder.read_info().map_err(broken)?;
-    let mut samples = vec![0; size];
-    reader.next_frame(&mut samples).map_err(broken)?;
-    let heights = match sample_bytes {
-        1 => samples.iter().map(|value| f32::from(*value) / 255.0).collect(),
-        _ => samples.chunks_exact(2).map(|v| f32::from(u16::from_be_bytes([v[0], v[1]])) / 65535.0).collect(),
-    };
-    Ok(HeightMap { width, height, heights })
+    read("PNG", "a grey PNG of 8 or 16 bits", ImageFormat::Png, bytes)
 }
 
-/// Reads a channel of the first layer of an EXR: Y, else R, else its only one.
+/// Reads a channel of an EXR: Y, else R, else its only one. Pixels outside the data window are 0.
 ///
 /// # Errors
 /// Returns an error for files that are not EXR, sizes beyond [`HEIGHT_MAP_SIDE`] and [`HEIGHT_MAP_PIXELS`], missing
 /// channels, and values that are not finite.
 pub fn heights_from_exr(bytes: &[u8]) -> Result<HeightMap, FormatError> {
-    let allowed = "an EXR with a channel Y or R, or with one channel";
-    let complete = "a complete EXR without deep data";
-    let broken = |error: exr::error::Error| FormatError::whole("EXR", one_line(&error), complete).problem();
-    // Sizes are checked first; pixels are allocated only if they are few enough.
-    let headers = exr_headers(Cursor::new(bytes), complete)?;
-    for header in &headers {
-        check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
-    }
-    let channels = headers.first().map_or(&[][..], |header| &header.channels.list);
-    let chosen = ["Y", "R"].iter().find_map(|name| channels.iter().find(|channel| channel.name == **name));
-    let Some(channel) = chosen.or(if channels.len() == 1 { channels.first() } else { None }) else {
-        let names: Vec<String> = channels.iter().take(8).map(|channel| channel.name.to_string()).collect();
-        return Err(FormatError::whole("EXR", format!("channels {}", names.join(", ")), allowed));
+    read("EXR", "a complete EXR without deep data", ImageFormat::OpenExr, bytes)
+}
+
+fn read(
+    field: &'static str,
+    allowed: &'static str,
+    format: ImageFormat,
+    bytes: &[u8],
+) -> Result<HeightMap, FormatError> {
+    let check = |[width, height]: [usize; 2]| check_size(field, width, height);
+    let ask = Ask { purpose: Purpose::Heights, field, allowed, formats: &[format], check: &check };
+    let (header, raster) = image_file::read(Cursor::new(bytes), &ask)?;
+    let [width, height] = raster.size;
+    let heights: Vec<f32> = match raster.samples {
+        Samples::U8(samples) => samples.iter().step_by(raster.channels).map(|v| f32::from(*v) / 255.0).collect(),
+        Samples::U16(samples) => samples.iter().step_by(raster.channels).map(|v| f32::from(*v) / 65535.0).collect(),
+        Samples::F32(samples) => samples,
     };
-    if (channel.sampling.x(), channel.sampling.y()) != (1, 1) {
-        let found = format!("channel {} has fewer samples than pixels", channel.name);
-        return Err(FormatError::whole("EXR", found, "one sample per pixel").problem());
+    if let Some(pixel) = heights.iter().position(|value| !value.is_finite()) {
+        let found = format!("{} at pixel ({}, {})", heights[pixel], pixel % width, pixel / width);
+        return Err(FormatError::whole(field, found, "finite values"));
     }
-    let name: Text = channel.name.clone();
-    let map = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .specific_channels()
-        .required(name)
-        .collect_pixels(
-            |size, _| HeightMap { width: size.x(), height: size.y(), heights: vec![0.0; size.x() * size.y()] },
-            |map: &mut HeightMap, at, (value,): (f32,)| map.heights[at.y() * map.width + at.x()] = value,
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(broken)?
-        .layer_data
-        .channel_data
-        .pixels;
-    if let Some(pixel) = map.heights.iter().position(|value| !value.is_finite()) {
-        let (column, row) = (pixel % map.width, pixel / map.width);
-        let found = format!("{} at pixel ({column}, {row})", map.heights[pixel]);
-        return Err(FormatError::whole("EXR", found, "finite values"));
-    }
-    Ok(map)
+    Ok(HeightMap { width, height, heights, conversions: header.conversions() })
 }
 
 #[cfg(test)]
@@ -262,7 +208,7 @@ mod tests {
         }
         bytes[29..33].copy_from_slice(&(!crc).to_be_bytes());
         let error = heights_from_png(&bytes).unwrap_err().to_string();
-        assert!(error.contains("bytes for 1024 x 1024 pixels, expected 1016 or more"), "{error}");
+        assert!(error.contains("bytes for 1024 x 1024 pixels, expected 1017 or more"), "{error}");
     }
 
     #[test]

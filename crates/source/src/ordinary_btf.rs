@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::btf_stack::BtfStack;
-use crate::photograph::Image;
+use crate::photograph::{CodeValues, Image};
 use crate::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_formats::direction_set::DirectionSet;
 use std::path::Path;
@@ -27,8 +27,16 @@ impl OrdinaryBtf {
     /// Returns an error if a file cannot be read or is invalid, if images are missing or differ in size, or if there
     /// are too many or too large images; see [`BtfStack::open`] and [`UboBtfFile::open`].
     pub fn open(path: &Path) -> Result<Self, InputError> {
+        Self::open_as(path, None)
+    }
+
+    /// Same as [`Self::open`], with the meaning of code values in spite of what the images of a folder state.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::open`].
+    pub fn open_as(path: &Path, codes: Option<CodeValues>) -> Result<Self, InputError> {
         Ok(if path.is_dir() {
-            Self::Stack(BtfStack::open(path)?)
+            Self::Stack(BtfStack::open_as(path, codes)?)
         } else {
             Self::Ubo(Box::new(UboBtfFile::open(path)?))
         })
@@ -55,6 +63,22 @@ impl OrdinaryBtf {
         match self {
             Self::Stack(stack) => stack.size(),
             Self::Ubo(file) => file.size(),
+        }
+    }
+
+    /// Colour of the code values of the images of a folder, and how they are converted.
+    pub fn colour(&self) -> Option<&str> {
+        match self {
+            Self::Stack(stack) => Some(stack.colour()),
+            Self::Ubo(_) => None,
+        }
+    }
+
+    /// Differences in colour, and other statements of the images that are applied.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Self::Stack(stack) => stack.notes(),
+            Self::Ubo(_) => &[],
         }
     }
 

@@ -1,7 +1,7 @@
 //! Polynomial texture maps as inputs.
 
+use crate::image_file::check_jpeg;
 use crate::input::InputFile;
-use crate::jpeg_end::check_end;
 use crate::{Input, InputError};
 use brdfc_core::words::one_line;
 use brdfc_formats::memory::filled;
@@ -23,7 +23,6 @@ pub fn open_ptm(input: &Input) -> Result<Ptm, InputError> {
 
 /// Decodes a plane of a compressed map, which must have this width and height.
 fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
-    check_end(jpeg)?;
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| one_line(&error))?;
     let (width, height) = decoder.dimensions();
     if [width, height] != size {
@@ -32,6 +31,7 @@ fn decoded(jpeg: &[u8], size: [u32; 2]) -> Result<Vec<u8>, String> {
     if decoder.color_type() != ColorType::L8 {
         return Err("colours".to_owned());
     }
+    check_jpeg(jpeg)?;
     let mut samples = filled("pixels", width as usize * height as usize, 0).map_err(|error| error.to_string())?;
     decoder.read_image(&mut samples).map_err(|error| one_line(&error))?;
     Ok(samples)

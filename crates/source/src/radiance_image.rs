@@ -1,19 +1,17 @@
 //! Radiance images: OpenEXR and Radiance HDR.
 
 use crate::InputError;
-use crate::exr_header::exr_headers;
+use crate::image_file::{self, Ask, Purpose, Samples};
 use crate::input::{Input, InputFile};
 use crate::tile_image::FileImage;
-use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
-use exr::prelude::{ReadChannels, ReadLayers, read};
-use image::{ImageFormat, ImageReader, Limits};
+use image::ImageFormat;
 use std::io::Cursor;
 
 /// Maximum width and height, pixels.
 pub const MAX_SIDES: [usize; 2] = [8192, 4096];
 
-/// Linear RGB, finite and not negative.
+/// Linear RGB (Rec. 709 primaries), finite and not negative.
 pub type RadianceImage = FileImage<3>;
 
 /// Reads an image: a Radiance HDR if its extension is .hdr, else an EXR.
@@ -25,71 +23,54 @@ pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, Inp
     InputFile::of(&input, &mut ())?.parse(if input.extension()? == "hdr" { from_hdr } else { from_exr })
 }
 
-/// Reads RGB of the first layer of an EXR that has these channels.
+/// Reads the only layer of an EXR with channels R, G and B, or Y. Pixels outside the data window are 0.
 ///
 /// # Errors
-/// Returns an error for files that are not EXR with channels R, G and B, for more than 8192 x 4096 pixels, and for
+/// Returns an error for files that are not EXR with such channels, for more than 8192 x 4096 pixels, and for
 /// values that are negative or not finite.
 pub fn from_exr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
-    let broken =
-        |error: exr::error::Error| FormatError::whole("EXR", one_line(&error), "channels R, G and B").problem();
-    // Sizes are checked first; pixels are allocated only if the image is small enough.
-    for header in exr_headers(Cursor::new(bytes), "channels R, G and B")? {
-        check_size("EXR", header.layer_size.x(), header.layer_size.y())?;
-    }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| RadianceImage { width: size.x(), height: size.y(), pixels: vec![[0.0; 3]; size.x() * size.y()] },
-            |image: &mut RadianceImage, at, (r, g, b): (f32, f32, f32)| {
-                image.pixels[at.y() * image.width + at.x()] = [r, g, b];
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(broken)?
-        .layer_data
-        .channel_data
-        .pixels;
-    checked("EXR", image)
+    read(bytes, "EXR", "channels R, G and B, or Y", ImageFormat::OpenExr, &|size| check_size("EXR", size))
 }
 
-/// Reads a Radiance HDR (RGBE).
+/// Reads a Radiance HDR (RGBE or XYZE), and undoes the exposure, colour correction and gamma that its header states.
 ///
 /// # Errors
 /// Returns an error for other files, and for more than 8192 x 4096 pixels.
 pub fn from_hdr(bytes: &[u8]) -> Result<RadianceImage, FormatError> {
-    let broken = |error: image::ImageError| {
-        let allowed = format!("a complete Radiance HDR of at most {} x {} pixels", MAX_SIDES[0], MAX_SIDES[1]);
-        FormatError::whole("HDR", one_line(&error), allowed).problem()
-    };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Hdr);
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDES[0] as u32), Some(MAX_SIDES[1] as u32));
-    reader.limits(limits);
-    let image = reader.decode().map_err(broken)?.into_rgb32f();
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    check_size("HDR", width, height)?;
-    checked("HDR", RadianceImage { width, height, pixels: image.pixels().map(|pixel| pixel.0).collect() })
+    let allowed = "a complete Radiance HDR of at most 8192 x 4096 pixels";
+    read(bytes, "HDR", allowed, ImageFormat::Hdr, &|size| check_size("HDR", size))
 }
 
-fn check_size(field: &'static str, width: usize, height: usize) -> Result<(), FormatError> {
-    if (1..=MAX_SIDES[0]).contains(&width) && (1..=MAX_SIDES[1]).contains(&height) {
+fn read(
+    bytes: &[u8],
+    field: &'static str,
+    allowed: &'static str,
+    format: ImageFormat,
+    check: &dyn Fn([usize; 2]) -> Result<(), FormatError>,
+) -> Result<RadianceImage, FormatError> {
+    let ask = Ask { purpose: Purpose::Colours(None), field, allowed, formats: &[format], check };
+    let (header, raster) = image_file::read(Cursor::new(bytes), &ask)?;
+    let [width, height] = raster.size;
+    if let Samples::F32(samples) = &raster.samples
+        && let Some(at) = samples.iter().position(|sample| !(sample.is_finite() && *sample >= 0.0))
+    {
+        let pixel = at / raster.channels;
+        let channels = &samples[pixel * raster.channels..][..raster.channels];
+        let found = format!("{channels:?} at pixel ({}, {})", pixel % width, pixel / width);
+        return Err(FormatError::whole(field, found, "finite values of 0 or more"));
+    }
+    let mut pixels = header.colour.pixels(raster).into_linear();
+    // Colours outside the gamut of Rec. 709.
+    pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+    Ok(RadianceImage { width, height, pixels, conversions: header.conversions() })
+}
+
+fn check_size(field: &'static str, [width, height]: [usize; 2]) -> Result<(), FormatError> {
+    if width <= MAX_SIDES[0] && height <= MAX_SIDES[1] {
         return Ok(());
     }
     let found = format!("{width} x {height} pixels");
     Err(FormatError::whole(field, found, format!("at most {} x {}", MAX_SIDES[0], MAX_SIDES[1])))
-}
-
-fn checked(field: &'static str, image: RadianceImage) -> Result<RadianceImage, FormatError> {
-    let wrong = image.pixels.iter().position(|pixel| pixel.iter().any(|c| !(c.is_finite() && *c >= 0.0)));
-    let Some(pixel) = wrong else { return Ok(image) };
-    let place = format!("pixel ({}, {})", pixel % image.width, pixel / image.width);
-    let found = format!("{:?} at {place}", image.pixels[pixel]);
-    Err(FormatError::whole(field, found, "finite values of 0 or more"))
 }
 
 #[cfg(test)]

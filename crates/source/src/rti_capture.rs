@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::misnamed::wrong_contents;
-use crate::photograph::{Image, common_size, read_pixels};
+use crate::photograph::{CodeValues, Common, Image, common_header, read_pixels};
 use crate::read::{MAX_TEXT_BYTES, extension_of, read_file};
 use brdfc_core::words::{counted, format_number, join_truncated};
 use brdfc_formats::FormatError;
@@ -33,8 +33,8 @@ pub struct RtiCapture {
     directions: Vec<[f32; 3]>,
     near: Option<NearLights>,
     files: Vec<PathBuf>,
-    size: [usize; 2],
-    bytes: u64,
+    common: Common,
+    codes: Option<CodeValues>,
     notes: Vec<String>,
 }
 
@@ -47,26 +47,41 @@ impl RtiCapture {
     /// # Errors
     /// Returns an error for unreadable files, lists that [`LightPositions::from_bytes`] rejects, no list or several,
     /// no image of a light above the horizon, the same image twice, near lights whose distances are out of range, files that are not PNG, JPEG, TIFF or EXR, and
-    /// images of different sizes or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along a side.
+    /// images of different sizes or orientations or with more than [`MAX_SIZE`](crate::photograph::MAX_SIZE) pixels along
+    /// a side.
     pub fn open(path: &Path) -> Result<Self, InputError> {
+        Self::open_as(path, None)
+    }
+
+    /// Same as [`Self::open`], with the meaning of code values in spite of what the images state.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::open`].
+    pub fn open_as(path: &Path, codes: Option<CodeValues>) -> Result<Self, InputError> {
         let (list, lights) = read_list(path)?;
-        let (files, notes) = files(&list, &lights)?;
+        let (files, mut notes) = files(&list, &lights)?;
         let first = files.first().map_or("", |(light, _)| &lights.names[*light]);
         let directions = files.iter().map(|(light, _)| lights.directions[*light]).collect();
         let of_files = |positions: &Vec<[f64; 3]>| files.iter().map(|(light, _)| positions[*light]).collect();
         let positions: Option<Vec<[f64; 3]>> = lights.positions.as_ref().map(of_files);
         let lines: Vec<u64> = files.iter().map(|(light, _)| lights.lines[*light]).collect();
         let files: Vec<PathBuf> = files.into_iter().map(|(_, file)| file).collect();
-        let (size, bytes) = common_size(&files, first)?;
-        let size = size.map(|n| n as usize);
-        let near = positions.map(|positions| NearLights::new(positions, size));
+        let common = common_header(&files, first, codes)?;
+        notes.extend_from_slice(&common.notes);
+        let near = positions.map(|positions| NearLights::new(positions, common.size));
         if let Some(near) = &near {
             check_distances(near, &lines).map_err(|error| InputError::format(&list, error))?;
         }
-        Ok(Self { directions, near, files, size, bytes, notes })
+        Ok(Self { directions, near, files, common, codes, notes })
     }
 
-    /// Differences between the list and the capture: lights that are left out, and a number that does not fit.
+    /// Colour of the code values of the images, and how they are converted.
+    pub fn colour(&self) -> &str {
+        &self.common.colour
+    }
+
+    /// Differences between the list and the capture: lights that are left out, and a number that does not fit; and
+    /// statements of the images other than their colour that are applied.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -84,12 +99,12 @@ impl RtiCapture {
 
     /// Width and height of every image, pixels.
     pub fn size(&self) -> [usize; 2] {
-        self.size
+        self.common.size
     }
 
     /// Bytes of the pixels of all images, as [`Self::pixels`] returns them.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.common.bytes
     }
 
     /// Number of lights and images: at least one.
@@ -111,14 +126,12 @@ impl RtiCapture {
     /// # Errors
     /// Returns the errors of [`Self::pixels`].
     pub fn image(&self, light: usize) -> Result<Image, InputError> {
-        let [width, height] = self.size;
-        Ok(Image { width, height, pixels: self.pixels(light)?.into_linear() })
+        Ok(Image::new(self.size(), self.pixels(light)?.into_linear()))
     }
 
     /// Reads the image of a light, without caching it.
     ///
-    /// PNG, JPEG and TIFF hold sRGB values, and their colour profiles are ignored; EXR and TIFF with floats hold linear
-    /// values. Alpha is ignored.
+    /// Colours are converted as the file states them; see [`Self::colour`]. Alpha is ignored.
     ///
     /// # Errors
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
@@ -128,7 +141,7 @@ impl RtiCapture {
             let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
             return Err(InputError::format(self.files[0].parent().unwrap_or(Path::new("")), error));
         };
-        read_pixels(file, self.size)
+        read_pixels(file, self.size(), self.codes)
     }
 
     /// Facts about the capture.
@@ -145,7 +158,8 @@ impl RtiCapture {
             lights: self.len(),
             polar_angles: [least, most].map(rounded),
             distances: self.near.as_ref().map(|near| near.range().map(rounded)),
-            size: self.size,
+            size: self.size(),
+            colour: self.colour().to_owned(),
             extensions: extensions.into_iter().collect(),
             notes: self.notes.clone(),
         }
@@ -164,16 +178,20 @@ pub struct RtiCaptureFacts {
     pub distances: Option<[f64; 2]>,
     /// Width and height, pixels.
     pub size: [usize; 2],
+    /// Colour of the code values of the images, and how they are converted.
+    pub colour: String,
     /// Extensions of the images, in lower case, without duplicates.
     pub extensions: Vec<String>,
-    /// Differences between the list and the capture, such as lights without an image.
+    /// Differences between the list and the capture, such as lights without an image, and other statements of the images
+    /// that are applied, such as their orientation.
     pub notes: Vec<String>,
 }
 
 impl RtiCaptureFacts {
     /// Lines for people: names and values.
     pub fn summary(&self) -> Vec<(&'static str, String)> {
-        let Self { lights, polar_angles: [least, most], distances, size: [width, height], extensions, notes } = self;
+        let Self { lights, polar_angles: [least, most], distances, size: [width, height], colour, extensions, notes } =
+            self;
         let mut lines = vec![
             ("kind", "RTI capture: photographs of one view under known lights".to_owned()),
             ("lights", lights.to_string()),
@@ -183,6 +201,7 @@ impl RtiCaptureFacts {
         lines.extend(near.map(|near| ("near lights", near)));
         lines.push(("images", format!(".{}", extensions.join(", ."))));
         lines.push(("pixels", format!("{width} x {height}")));
+        lines.push(("colour", colour.clone()));
         lines.extend(notes.iter().map(|note| ("note", note.clone())));
         lines
     }

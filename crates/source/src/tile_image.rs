@@ -1,23 +1,20 @@
 //! Images of surface colours and of material shares.
 
 use crate::InputError;
+use crate::image_file::{self, Ask, Purpose, Raster, Samples};
 use crate::input::{Input, InputFile};
-use crate::jpeg_end::check_end;
 use crate::read::ReadListener;
-use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::reserved;
-use brdfc_readers::colour::decode_srgb;
-use image::{DynamicImage, ImageBuffer, ImageError, ImageFormat, ImageReader, Limits, Pixel, Primitive};
+use image::ImageFormat;
 use std::io::Cursor;
 use std::path::Path;
 
 /// Maximum width and height, pixels.
-const MAX_SIZE: u32 = 8192;
+const MAX_SIZE: usize = 8192;
 /// Maximum size of a file, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-/// Maximum memory of decoding, bytes: four channels of 16 bits for the largest image.
-const MAX_DECODER_BYTES: u64 = 8 * (MAX_SIZE as u64).pow(2);
+const ALLOWED: &str = "a complete PNG or JPEG of at most 8192 pixels along a side";
 
 /// An image of `N` channels; row 0 is the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,14 +25,24 @@ pub struct FileImage<const N: usize> {
     pub height: usize,
     /// Pixels, row by row from the top, left to right.
     pub pixels: Vec<[f32; N]>,
+    /// Colour and other statements of the file, and what was done; the first is the colour. Empty for computed images.
+    pub conversions: Vec<String>,
 }
 
-/// Reads a PNG or JPEG of 8 or 16 bits as linear RGB, decoded from sRGB.
+impl<const N: usize> FileImage<N> {
+    /// An image that no file describes.
+    pub fn new([width, height]: [usize; 2], pixels: Vec<[f32; N]>) -> Self {
+        Self { width, height, pixels, conversions: Vec::new() }
+    }
+}
+
+/// Reads a PNG or JPEG of 8 or 16 bits as linear RGB (Rec. 709 primaries), by the colour that the file states, or else
+/// as sRGB.
 ///
 /// # Errors
 /// Returns an error for files that cannot be read, are of another format, or are larger than 8192 pixels along a side.
 pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError> {
-    open(InputFile::of(&input.into(), &mut ())?, linear)
+    colours(InputFile::of(&input.into(), &mut ())?)
 }
 
 /// Same as [`open_colours`] for a file that `listener` observes.
@@ -43,11 +50,16 @@ pub fn open_colours(input: impl Into<Input>) -> Result<FileImage<3>, InputError>
 /// # Errors
 /// Returns the errors of [`open_colours`].
 pub fn open_colours_observed(path: &Path, listener: &mut dyn ReadListener) -> Result<FileImage<3>, InputError> {
-    open(InputFile::at(path, listener)?, linear)
+    colours(InputFile::at(path, listener)?)
 }
 
-fn linear([r, g, b, _]: [f32; 4], _: bool) -> [f32; 3] {
-    [r, g, b].map(|c| decode_srgb(f64::from(c)) as f32)
+fn colours(file: InputFile<'_>) -> Result<FileImage<3>, InputError> {
+    file.parse_within(MAX_BYTES, |bytes| {
+        let (header, raster) = image_file::read(Cursor::new(bytes), &ask(Purpose::Colours(None)))?;
+        let [width, height] = raster.size;
+        let pixels = header.colour.pixels(raster).into_linear();
+        Ok(FileImage { width, height, pixels, conversions: header.conversions() })
+    })
 }
 
 /// Reads a PNG or JPEG of 8 or 16 bits: its stored channels, 0 to 1; the fourth is 0 if the file has none.
@@ -55,78 +67,37 @@ fn linear([r, g, b, _]: [f32; 4], _: bool) -> [f32; 3] {
 /// # Errors
 /// Returns an error for files that cannot be read, are of another format, or are larger than 8192 pixels along a side.
 pub fn open_shares(input: impl Into<Input>) -> Result<FileImage<4>, InputError> {
-    open(InputFile::of(&input.into(), &mut ())?, |[r, g, b, a], has_alpha| [r, g, b, if has_alpha { a } else { 0.0 }])
+    InputFile::of(&input.into(), &mut ())?.parse_within(MAX_BYTES, |bytes| {
+        let (header, raster) = image_file::read(Cursor::new(bytes), &ask(Purpose::Data))?;
+        let [width, height] = raster.size;
+        Ok(FileImage { width, height, pixels: shares(&raster)?, conversions: header.conversions() })
+    })
 }
 
-/// Reads an image. `of` converts the RGBA of each pixel; its flag is true if the file has a fourth channel.
-fn open<const N: usize>(
-    file: InputFile<'_>,
-    of: impl Fn([f32; 4], bool) -> [f32; N],
-) -> Result<FileImage<N>, InputError> {
-    let path = file.path;
-    let decoded = file.parse_within(MAX_BYTES, decode)?;
-    let of = |pixel| of(pixel, decoded.color().has_alpha());
-    let pixels = match &decoded {
-        DynamicImage::ImageLuma8(image) => convert(image, of),
-        DynamicImage::ImageLumaA8(image) => convert(image, of),
-        DynamicImage::ImageRgb8(image) => convert(image, of),
-        DynamicImage::ImageRgba8(image) => convert(image, of),
-        DynamicImage::ImageLuma16(image) => convert(image, of),
-        DynamicImage::ImageLumaA16(image) => convert(image, of),
-        DynamicImage::ImageRgb16(image) => convert(image, of),
-        DynamicImage::ImageRgba16(image) => convert(image, of),
-        other => Err(FormatError::whole("image", format!("{:?}", other.color()), "8 or 16 bits")),
+fn shares(raster: &Raster) -> Result<Vec<[f32; 4]>, FormatError> {
+    let channels = raster.channels;
+    let mut pixels = reserved("pixels", raster.size[0] * raster.size[1])?;
+    let of = |at: usize| match channels {
+        1 | 2 => [0, 0, 0, 1].map(|c| if c < channels { Some(at + c) } else { None }),
+        _ => [0, 1, 2, 3].map(|c| if c < channels { Some(at + c) } else { None }),
     };
-    let pixels = pixels.map_err(|error| InputError::format(path, error))?;
-    Ok(FileImage { width: decoded.width() as usize, height: decoded.height() as usize, pixels })
-}
-
-/// Converts directly from the decoded pixels: a copy of four floats per pixel would be larger than all the rest.
-fn convert<P: Pixel<Subpixel: Into<f32>>, const N: usize>(
-    image: &ImageBuffer<P, Vec<P::Subpixel>>,
-    of: impl Fn([f32; 4]) -> [f32; N],
-) -> Result<Vec<[f32; N]>, FormatError> {
-    let white: f32 = P::Subpixel::DEFAULT_MAX_VALUE.into();
-    let mut pixels = reserved("pixels", image.width() as usize * image.height() as usize)?;
-    pixels.extend(image.pixels().map(|pixel| of(pixel.to_rgba().0.map(|code| code.into() / white))));
+    let value = |at: usize| match &raster.samples {
+        Samples::U8(samples) => f32::from(samples[at]) / 255.0,
+        Samples::U16(samples) => f32::from(samples[at]) / 65535.0,
+        Samples::F32(samples) => samples[at],
+    };
+    pixels.extend((0..raster.size[0] * raster.size[1]).map(|at| of(channels * at).map(|at| at.map_or(0.0, value))));
     Ok(pixels)
 }
 
-fn decode(bytes: &[u8]) -> Result<DynamicImage, FormatError> {
-    let allowed = "a complete PNG or JPEG of at most 8192 pixels along a side";
-    let wrong = |found: String| FormatError::whole("image", found, allowed);
-    let reader = || {
-        let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-        reader.map_err(|error| wrong(one_line(&error)).problem())
-    };
-    let format = reader()?.format();
-    if !matches!(format, Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err(match format {
-            Some(format) => wrong(format!("{format:?}")),
-            None => wrong("unknown format".to_owned()).problem(),
-        });
-    }
-    // Checks the size before the decoder does, whose errors name no sizes.
-    let (width, height) = reader()?.into_dimensions().map_err(|error| wrong(limit_message(error)).problem())?;
-    if width > MAX_SIZE || height > MAX_SIZE {
-        return Err(wrong(format!("{width} x {height} pixels")));
-    }
-    if format == Some(ImageFormat::Jpeg) {
-        check_end(bytes).map_err(|problem| wrong(problem.to_owned()).problem())?;
-    }
-    let mut reader = reader()?;
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIZE), Some(MAX_SIZE));
-    limits.max_alloc = Some(MAX_DECODER_BYTES);
-    reader.limits(limits);
-    reader.decode().map_err(|error| wrong(limit_message(error)).problem())
+fn ask(purpose: Purpose) -> Ask<'static> {
+    let formats = &[ImageFormat::Png, ImageFormat::Jpeg];
+    Ask { purpose, field: "image", allowed: ALLOWED, formats, check: &check_size }
 }
 
-fn limit_message(error: ImageError) -> String {
-    match error {
-        ImageError::Limits(_) => "too many pixels for the decoder".to_owned(),
-        error => one_line(&error),
-    }
+fn check_size([width, height]: [usize; 2]) -> Result<(), FormatError> {
+    let found = || FormatError::whole("image", format!("{width} x {height} pixels"), ALLOWED);
+    if width.max(height) > MAX_SIZE { Err(found()) } else { Ok(()) }
 }
 
 #[cfg(test)]

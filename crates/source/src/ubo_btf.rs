@@ -85,8 +85,7 @@ impl UboBtfFile {
         // The light is in range, because the image exists.
         let factor = self.factors[light];
         pixels.iter_mut().flatten().for_each(|value| *value *= factor);
-        let [width, height] = self.size();
-        Ok(Image { width, height, pixels })
+        Ok(Image::new(self.size(), pixels))
     }
 }
 

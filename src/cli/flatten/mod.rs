@@ -12,7 +12,7 @@ use super::output::{json_or, make_folder, note, print};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
 use brdfc::flatten::words::{missed, remarks};
-use brdfc::flatten::{FlatAsset, FlattenJob, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
+use brdfc::flatten::{FlatAsset, FlattenJob, ImageFacts, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::time::Instant;
@@ -23,6 +23,8 @@ pub struct Report {
     /// Contents and size of the asset.
     #[serde(flatten)]
     asset: FlatAsset,
+    /// Colour and other statements of the images that were read, and what was done.
+    read: Vec<ImageFacts>,
     /// Seconds from start to finish.
     seconds: f64,
 }
@@ -35,10 +37,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let mut recipe = recipe(arguments)?;
     let options = meso_options(arguments, stack.is_some())?;
     check_outputs(arguments, &name)?;
-    let surface = Surface::open(&options, stack)?;
+    let surface = Surface::open(&options, stack, arguments.photographs)?;
     if let Values::Measured(stack) = &surface.values {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
     }
+    let read = surface.images.clone();
     let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob {
@@ -66,8 +69,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         note(common, &arguments.meso, &format!("{text}, the default of --max-delta-e"));
     }
     let seconds = started.elapsed().as_secs_f64();
-    let text = text(&asset, Some(seconds));
-    print(&json_or(common, &Report { asset, seconds }, text))?;
+    let text = text(&asset, &read, Some(seconds));
+    print(&json_or(common, &Report { asset, read, seconds }, text))?;
     // The default limit is not a check.
     missed
         .filter(|_| arguments.max_delta_e.is_some())

@@ -172,7 +172,8 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
         refuse_flags("an ordinary BTF", &flags)?;
     } else {
         let allowed = "ordinary BTFs (a folder of images or a .btf file)";
-        refuse_flags("surfaces", &[(arguments.geometry.is_some(), "--geometry", allowed)])?;
+        let flags = [(arguments.geometry.is_some(), "--geometry"), (arguments.photographs.is_some(), "--photographs")];
+        refuse_flags("surfaces", &flags.map(|(given, flag)| (given, flag, allowed)))?;
     }
     let brdf = arguments.reflectance == Reflectance::Brdf;
     let of_factors = [

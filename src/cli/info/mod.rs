@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             return print_json(&asset);
         }
         let needs = files::device_needs(&Input::File(file))?;
-        return print(&(flatten::text(&asset, None) + &lines_of(&[("devices", needs.summary())])));
+        return print(&(flatten::text(&asset, &[], None) + &lines_of(&[("devices", needs.summary())])));
     }
     let is_pack = input.extension()? == "ktx2";
     let contents = match if is_pack { Some(open_pack(input)?) } else { None } {

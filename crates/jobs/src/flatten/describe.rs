@@ -7,6 +7,7 @@ use brdfc_flat_btf::weld::{MesoError, WeldReport, weld};
 use brdfc_readers::meso::TriangleMesh;
 use brdfc_source::btf_stack::survey;
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
+use brdfc_source::photograph::Common;
 use brdfc_source::ubo_btf::{UboBtfFile, is_ubo_btf};
 use brdfc_source::{Input, InputError};
 use serde::Serialize;
@@ -37,6 +38,8 @@ pub enum SurfaceFacts {
         size: [usize; 2],
         /// Lowest and highest value: 0 to 1 from PNG, as stored from EXR.
         values: [f64; 2],
+        /// Statements of the file about its pixels, such as windows, and what was done.
+        conversions: Vec<String>,
     },
     /// A BTF of the Bonn database of 2014 in one file.
     UboBtf {
@@ -68,7 +71,11 @@ pub enum SurfaceFacts {
         /// Number of pairs of view and light without an image. Flattening requires 0.
         missing: usize,
         /// Pixels per row, and rows.
-        size: [u32; 2],
+        size: [usize; 2],
+        /// Colour of the code values of the images, and how they are converted.
+        colour: String,
+        /// Differences in colour, and other statements of the images that are applied.
+        notes: Vec<String>,
         /// Extensions of the images in lower case, without duplicates.
         extensions: Vec<String>,
     },
@@ -173,11 +180,11 @@ fn describe_mesh(mesh: &TriangleMesh) -> MeshFacts {
 
 fn describe_heights(map: &HeightMap) -> SurfaceFacts {
     let values = range(map.heights.iter().map(|height| f64::from(*height)));
-    SurfaceFacts::HeightMap { size: [map.width, map.height], values }
+    SurfaceFacts::HeightMap { size: [map.width, map.height], values, conversions: map.conversions.clone() }
 }
 
 fn describe_images(folder: &Path) -> Result<SurfaceFacts, InputError> {
-    let (contents, size) = survey(folder)?;
+    let (contents, Common { size, colour, notes, .. }) = survey(folder)?;
     let of_file = |file: &String| Path::new(file).extension().map(|e| e.to_string_lossy().to_lowercase());
     let extensions: std::collections::BTreeSet<String> = contents.files.iter().filter_map(of_file).collect();
     Ok(SurfaceFacts::ImageStack {
@@ -186,6 +193,8 @@ fn describe_images(folder: &Path) -> Result<SurfaceFacts, InputError> {
         images: contents.files.len(),
         missing: contents.missing,
         size,
+        colour,
+        notes,
         extensions: extensions.into_iter().collect(),
     })
 }

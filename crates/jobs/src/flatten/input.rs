@@ -15,6 +15,7 @@ use brdfc_source::Input;
 use brdfc_source::meso::{MesoInput, open_meso};
 use brdfc_source::open::{Facts, open};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
 use brdfc_wavelet::encode::encode;
 use brdfc_wavelet::recipe::{Recipe, Target};
@@ -44,6 +45,15 @@ pub struct MesoOptions {
     pub weights: Option<Input>,
 }
 
+/// What an image states about its pixels, and what was done.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+pub struct ImageFacts {
+    /// Use of the image: `images`, `colour`, `weights` or `heights`.
+    pub image: &'static str,
+    /// Its colour, and other statements such as its orientation.
+    pub conversions: Vec<String>,
+}
+
 /// Geometry of a surface.
 pub struct Geometry {
     /// One tile of the surface, welded and periodic.
@@ -58,6 +68,8 @@ pub struct Geometry {
     pub name: String,
     /// Name of the input in errors.
     pub input: String,
+    /// Statements of a height map about its pixels, and what was done.
+    pub conversions: Option<Vec<String>>,
 }
 
 /// Reads geometry.
@@ -76,6 +88,7 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, Error> {
             default_materials: Vec::new(),
             name: PLANE.to_owned(),
             input: PLANE.to_owned(),
+            conversions: None,
         });
     };
     if let Some(structure) = structure(input)? {
@@ -86,10 +99,12 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, Error> {
             default_materials: structure.default_materials().iter().map(|m| (*m).to_owned()).collect(),
             name: structure.canonical(),
             input: input.to_string(),
+            conversions: None,
         });
     }
     let name = input.short_name();
     let wrong = |error: MesoError| Error::input(error).prefixed(input);
+    let mut conversions = None;
     let (mesh, weld, material_names) = match open_meso(input)? {
         MesoInput::Mesh(mesh) => {
             let (welded, report) = weld(&mesh, options.tile).map_err(wrong)?;
@@ -97,10 +112,12 @@ pub fn open_geometry(options: &MesoOptions) -> Result<Geometry, Error> {
         }
         MesoInput::Heights(map) => {
             let (scale, offset) = (options.height_scale, options.height_offset);
+            conversions = Some(map.conversions.clone());
             (from_heights(map.width, map.height, &map.heights, scale, offset).map_err(wrong)?, None, Vec::new())
         }
     };
-    Ok(Geometry { mesh, weld, material_names, default_materials: Vec::new(), name, input: input.to_string() })
+    let (default_materials, input) = (Vec::new(), input.to_string());
+    Ok(Geometry { mesh, weld, material_names, default_materials, name, input, conversions })
 }
 
 /// The structure at an address; `None` for files.
@@ -175,7 +192,7 @@ fn listed(options: &MesoOptions, geometry: &Geometry) -> Result<Vec<Input>, Erro
     Ok((0..needed).map(source).collect())
 }
 
-/// Opens the materials. Scans are tabulated first (unfiltered, 16 bits), because each of their evaluations is a fit.
+/// Opens the materials and images. Scans are tabulated first (unfiltered, 16 bits), because each of their evaluations is a fit.
 ///
 /// # Errors
 /// Returns an error if a material or an image cannot be opened, or if cancelled.
@@ -184,13 +201,25 @@ pub fn open_appearance(
     materials: &[Input],
     progress: &dyn Progress,
 ) -> Result<Appearance, Error> {
+    appearance_and_images(options, materials, progress).map(|(appearance, _)| appearance)
+}
+
+fn appearance_and_images(
+    options: &MesoOptions,
+    materials: &[Input],
+    progress: &dyn Progress,
+) -> Result<(Appearance, Vec<ImageFacts>), Error> {
     let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
     let colour = options.colour.as_ref().map(open_colours).transpose()?;
     let weights = options.weights.as_ref().map(open_shares).transpose()?;
-    Ok(Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) })
+    let of_colour = colour.as_ref().map(|image| ("colour", image.conversions.clone()));
+    let of_weights = weights.as_ref().map(|image| ("weights", image.conversions.clone()));
+    let images = [of_colour, of_weights].into_iter().flatten();
+    let images = images.map(|(image, conversions)| ImageFacts { image, conversions }).collect();
+    Ok((Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) }, images))
 }
 
-fn tile_image<const N: usize>(FileImage { width, height, pixels }: FileImage<N>) -> TileImage<N> {
+fn tile_image<const N: usize>(FileImage { width, height, pixels, .. }: FileImage<N>) -> TileImage<N> {
     TileImage { width, height, pixels }
 }
 
@@ -221,27 +250,40 @@ pub struct Surface {
     pub materials: Vec<String>,
     /// Source of the values of texels.
     pub values: Values,
+    /// Statements of the images about their pixels.
+    pub images: Vec<ImageFacts>,
 }
 
 impl Surface {
-    /// Reads geometry and materials, or geometry and an ordinary BTF (a folder of images, or a .btf file).
+    /// Reads geometry and materials, or geometry and an ordinary BTF (a folder of images, or a .btf file). `codes` is the
+    /// meaning of the code values of BTF images in spite of what they state.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, an address is invalid, the geometry does not close, or the materials do not
     /// match it.
-    pub fn open(options: &MesoOptions, btf: Option<&Path>) -> Result<Self, Error> {
+    pub fn open(options: &MesoOptions, btf: Option<&Path>, codes: Option<CodeValues>) -> Result<Self, Error> {
         let Some(path) = btf else {
             let geometry = open_geometry(options)?;
             let inputs = material_list(options, &geometry)?;
-            let appearance = open_appearance(options, &inputs, &())?;
+            let (appearance, images) = appearance_and_images(options, &inputs, &())?;
             let materials = inputs.iter().map(Input::short_name).collect();
-            return Ok(Self { geometry, materials, values: Values::Computed(appearance) });
+            let values = Values::Computed(appearance);
+            return Ok(Self { images: with_heights(&geometry, images), geometry, materials, values });
         };
-        let stack = OrdinaryBtf::open(path)?;
+        let stack = OrdinaryBtf::open_as(path, codes)?;
         let mut geometry = open_geometry(options)?;
         let folder = path.canonicalize().ok();
         let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
         geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
-        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack) })
+        let conversions = stack.colour().map(str::to_owned).into_iter().chain(stack.notes().iter().cloned()).collect();
+        let images = stack.colour().map(|_| ImageFacts { image: "images", conversions }).into_iter().collect();
+        let images = with_heights(&geometry, images);
+        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack), images })
     }
+}
+
+fn with_heights(geometry: &Geometry, mut images: Vec<ImageFacts>) -> Vec<ImageFacts> {
+    let heights = geometry.conversions.clone();
+    images.extend(heights.map(|conversions| ImageFacts { image: "heights", conversions }));
+    images
 }

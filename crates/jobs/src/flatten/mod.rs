@@ -16,6 +16,8 @@ pub mod words;
 pub use asset::{AssetFile, FlatAsset, Settings};
 pub use comparison::{FlatComparison, compare_flat};
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
-pub use input::{Geometry, MesoOptions, PLANE, Surface, Values, material_list, open_appearance, open_geometry};
+pub use input::{
+    Geometry, ImageFacts, MesoOptions, PLANE, Surface, Values, material_list, open_appearance, open_geometry,
+};
 pub use read::{open_asset, read_report};
 pub use run::{FlattenJob, run};

@@ -15,10 +15,11 @@ pub fn summary(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
             ("materials", materials.join(", ")),
         ],
         SurfaceFacts::Mesh(mesh) => mesh_summary(mesh),
-        SurfaceFacts::HeightMap { size: [width, height], values: [low, high] } => vec![
+        SurfaceFacts::HeightMap { size: [width, height], values: [low, high], conversions } => vec![
             ("kind", "height map, for 'brdfc flatten'".to_owned()),
             ("pixels", format!("{width} x {height}")),
             ("values", format!("{low} to {high}, times --height-scale in tiles")),
+            ("pixel values", conversions.join("; ")),
         ],
         SurfaceFacts::UboBtf {
             views,
@@ -39,7 +40,16 @@ pub fn summary(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
             ("measured by", if devices.is_empty() { "unknown".to_owned() } else { devices.join(", ") }),
             ("in memory", bytes(*memory_bytes)),
         ],
-        SurfaceFacts::ImageStack { views, lights, images, missing, size: [width, height], extensions } => vec![
+        SurfaceFacts::ImageStack {
+            views,
+            lights,
+            images,
+            missing,
+            size: [width, height],
+            colour,
+            notes,
+            extensions,
+        } => vec![
             ("kind", "images of an ordinary BTF, for 'brdfc flatten'".to_owned()),
             ("views x lights", format!("{views} x {lights}")),
             ("images", format!("{images}, .{}", extensions.join(", ."))),
@@ -48,6 +58,7 @@ pub fn summary(facts: &SurfaceFacts) -> Vec<(&'static str, String)> {
                 if *missing == 0 { "none".to_owned() } else { format!("{missing}; 'brdfc flatten' requires all") },
             ),
             ("pixels", format!("{width} x {height}")),
+            ("colour", [std::slice::from_ref(colour), notes].concat().join("; ")),
         ],
     }
 }

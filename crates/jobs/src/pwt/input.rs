@@ -18,6 +18,7 @@ use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::btf_stack::has_images;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view as decoded_view, open_flat_btf};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::rti_capture::{RtiCapture, format_range, is_rti_capture};
 use brdfc_source::viewer_file::{self, open_viewer_file};
 use brdfc_source::{Input, InputError};
@@ -37,21 +38,43 @@ const ALLOWED: &str =
 
 /// An input that was read.
 pub enum LightInput {
-    /// Photographs with their lights, and differences between the list of lights and the photographs.
-    Photographs(LightSamples, Vec<String>),
+    /// Photographs with their lights.
+    Photographs(LightSamples, About),
     /// A file of an RTI viewer.
     Map(Box<dyn ViewerFile>),
     /// A pack of a polynomial wavelet tree.
     Pack(PwtPack),
 }
 
+/// Facts about photographs.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct About {
+    /// Colour of the code values of images in files, and how they are converted.
+    pub colour: Option<String>,
+    /// Differences between the list of lights and the photographs, and other statements of the images that are applied.
+    pub notes: Vec<String>,
+}
+
 impl LightInput {
-    /// Reads an input. `view` is the view of a BTF, the first one by default, or all views.
+    /// Same as [`Self::open_as`], with the code values that photographs state.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::open_as`].
+    pub fn open(input: &Input, view: Option<ViewChoice>) -> Result<Self, Error> {
+        Self::open_as(input, view, None)
+    }
+
+    /// Reads an input. `view` is the view of a BTF, the first one by default, or all views; `codes` is the
+    /// meaning of the code values of photographs in spite of what they state.
     ///
     /// # Errors
     /// Returns an error if the input cannot be read or is of another kind, the view does not exist, or the photographs exceed the
     /// limit.
-    pub fn open(input: &Input, view: Option<ViewChoice>) -> Result<Self, Error> {
+    pub fn open_as(input: &Input, view: Option<ViewChoice>, codes: Option<CodeValues>) -> Result<Self, Error> {
+        let is_folder_or_list = input.path().is_some_and(|path| path.is_dir() || is_rti_capture(path));
+        if codes.is_some() && !is_folder_or_list {
+            return Err(Error::usage("--photographs applies only to RTI captures and folders of BTF images"));
+        }
         let extension = input.extension()?;
         if view.is_some() && (extension == "ktx2" || viewer_file::EXTENSIONS.contains(&extension.as_str())) {
             return Err(Error::usage("--view does not apply to packs and files of viewers, only to BTFs"));
@@ -85,8 +108,8 @@ impl LightInput {
             if view.is_some() {
                 return Err(Error::usage("--view does not apply to RTI captures, only to BTFs"));
             }
-            let (samples, notes) = photographs(path)?;
-            return Ok(Self::Photographs(samples, notes));
+            let (samples, about) = photographs(path, codes)?;
+            return Ok(Self::Photographs(samples, about));
         }
         if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
             if extension.is_empty() {
@@ -97,14 +120,16 @@ impl LightInput {
         let view = view.unwrap_or(ViewChoice::One(0));
         // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
-            return Ok(Self::Photographs(flat_view(path, view)?, Vec::new()));
+            return Ok(Self::Photographs(flat_view(path, view)?, About::default()));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
+            let btf = OrdinaryBtf::open_as(path, codes)?;
             let samples = match view {
-                ViewChoice::One(view) => one_view(path, view)?,
-                ViewChoice::All => all_views(path)?,
+                ViewChoice::One(view) => one_view(path, &btf, view)?,
+                ViewChoice::All => all_views(path, &btf)?,
             };
-            return Ok(Self::Photographs(samples, Vec::new()));
+            let about = About { colour: btf.colour().map(str::to_owned), notes: btf.notes().to_vec() };
+            return Ok(Self::Photographs(samples, about));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
         Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")))
@@ -117,8 +142,13 @@ impl LightInput {
 
     /// Notes about photographs: what was left out, and what has nothing to fit.
     pub fn notes(&self) -> Vec<String> {
-        let Self::Photographs(samples, notes) = self else { return Vec::new() };
-        notes.iter().cloned().chain(exposure_notes(samples)).collect()
+        let Self::Photographs(samples, about) = self else { return Vec::new() };
+        about.notes.iter().cloned().chain(exposure_notes(samples)).collect()
+    }
+
+    /// Colour of the code values of photographs in files, and how they are converted.
+    pub fn colour(&self) -> Option<&str> {
+        if let Self::Photographs(_, about) = self { about.colour.as_deref() } else { None }
     }
 
     /// Photographs, averaged per light, or renderings of a map or a pack under many lights.
@@ -221,8 +251,8 @@ pub(super) fn samples_of_capture(path: &Path, capture: &RtiCapture) -> Result<Li
 }
 
 /// Reads the photographs of an RTI capture, and leaves out those that are black or white everywhere.
-fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
-    let stack = RtiCapture::open(path)?;
+fn photographs(path: &Path, codes: Option<CodeValues>) -> Result<(LightSamples, About), Error> {
+    let stack = RtiCapture::open_as(path, codes)?;
     let samples = samples_of_capture(path, &stack)?;
     let mut notes = stack.notes().to_vec();
     let all = uniform(&samples);
@@ -236,11 +266,11 @@ fn photographs(path: &Path) -> Result<(LightSamples, Vec<String>), Error> {
         notes.push(format!("left out {count}, whose photograph is {name} everywhere: {files}"));
     }
     notes.extend(near_note(&stack));
-    Ok((if left_out.is_empty() { samples } else { samples.without(&left_out) }, notes))
+    let about = About { colour: Some(stack.colour().to_owned()), notes };
+    Ok((if left_out.is_empty() { samples } else { samples.without(&left_out) }, about))
 }
 
-fn one_view(path: &Path, view: usize) -> Result<LightSamples, Error> {
-    let btf = OrdinaryBtf::open(path)?;
+fn one_view(path: &Path, btf: &OrdinaryBtf, view: usize) -> Result<LightSamples, Error> {
     check_view(view, btf.views().len())?;
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
     check_linear(&path.display(), btf.size(), lights.len())?;

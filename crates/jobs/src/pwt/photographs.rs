@@ -46,8 +46,7 @@ impl DistantPhotographs {
         let Some(converted) = self.converted.as_ref().and_then(|samples| samples.images.get(light)) else {
             return self.capture.image(light);
         };
-        let [width, height] = self.capture.size();
-        Ok(Image { width, height, pixels: converted.clone().into_linear() })
+        Ok(Image::new(self.capture.size(), converted.clone().into_linear()))
     }
 }
 

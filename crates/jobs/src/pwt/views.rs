@@ -80,8 +80,7 @@ fn stacked(
 }
 
 /// Reads all images of an ordinary BTF.
-pub(super) fn all_views(path: &Path) -> Result<LightSamples, Error> {
-    let btf = OrdinaryBtf::open(path)?;
+pub(super) fn all_views(path: &Path, btf: &OrdinaryBtf) -> Result<LightSamples, Error> {
     let lights: Vec<[f32; 3]> = btf.lights().directions().into_iter().map(single).collect();
     let views = checked_views(path, btf.views(), lights.len(), btf.size())?;
     stacked(views, lights, btf.size(), |view, light| btf.image(view, light).map(|image| image.pixels))

@@ -4,6 +4,7 @@ mod alta;
 mod direction_set;
 mod flat_btf_files;
 mod gonio_held_out;
+mod image_files;
 mod large_files;
 mod noisy_scans;
 mod noisy_tables;

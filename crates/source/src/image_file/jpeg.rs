@@ -1,0 +1,193 @@
+//! JPEG: its segments about colour and orientation, and pixels of complete files.
+
+use super::ask::{Ask, ImageReader, Purpose};
+use super::colour::Colour;
+use super::exif::Exif;
+use super::header::Header;
+use super::jpeg_scan::Scans;
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
+use brdfc_formats::FormatError;
+use brdfc_formats::memory::filled;
+use image::ImageDecoder;
+use image::codecs::jpeg::JpegDecoder;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+const APP1: u8 = 0xe1;
+const APP2: u8 = 0xe2;
+const START_OF_SCAN: u8 = 0xda;
+const END_OF_IMAGE: u8 = 0xd9;
+const EXIF: &[u8] = b"Exif\0\0";
+const ICC: &[u8] = b"ICC_PROFILE\0";
+/// Values of EXIF's colour space.
+const EXIF_SRGB: u16 = 1;
+const EXIF_ADOBE_RGB: u16 = 2;
+
+/// A segment: its marker and contents, and where it ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Segment<'a> {
+    pub marker: u8,
+    pub contents: &'a [u8],
+    pub end: usize,
+}
+
+/// Finds the next segment from `at`; stray bytes before it are skipped. The end of the image has no contents.
+pub(super) fn next_segment(jpeg: &[u8], at: usize) -> Option<Segment<'_>> {
+    // Fill bytes repeat 0xff; 0 and restarts belong to pixels.
+    let is_marker = |pair: &[u8]| pair[0] == 0xff && !matches!(pair[1], 0 | 0xd0..=0xd8 | 0xff);
+    let at = at + jpeg.get(at..)?.windows(2).position(is_marker)?;
+    let marker = jpeg[at + 1];
+    if marker == END_OF_IMAGE {
+        return Some(Segment { marker, contents: &[], end: at + 2 });
+    }
+    // The length counts itself.
+    let length = jpeg[at + 2..].first_chunk().map(|length| usize::from(u16::from_be_bytes(*length)))?;
+    let contents = jpeg.get(at + 4..at + 2 + length)?;
+    Some(Segment { marker, contents, end: at + 2 + length })
+}
+
+/// Segments up to the first scan.
+fn segments(jpeg: &[u8]) -> impl Iterator<Item = Segment<'_>> {
+    let next = |segment: &Segment<'_>| next_segment(jpeg, segment.end);
+    std::iter::successors(next_segment(jpeg, 2), next)
+        .take_while(|segment| !matches!(segment.marker, START_OF_SCAN | END_OF_IMAGE))
+}
+
+/// Checks that the pixels of the first image of a file are complete.
+///
+/// # Errors
+/// Returns what is wrong with the file.
+pub(crate) fn check(jpeg: &[u8]) -> Result<(), String> {
+    let mut scans = Scans::default();
+    let mut at = 2;
+    while let Some(segment) = next_segment(jpeg, at) {
+        at = match segment.marker {
+            END_OF_IMAGE => return scans.check_complete(),
+            START_OF_SCAN => scans.walk(segment.contents, jpeg, segment.end)?,
+            marker => {
+                scans.define(marker, segment.contents)?;
+                segment.end
+            }
+        };
+    }
+    Err("no end-of-image marker (FF D9): the JPEG is truncated".to_owned())
+}
+
+pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Header, FormatError> {
+    let bytes = all(reader, ask)?;
+    let decoder = decoder(&bytes, ask)?;
+    let (width, height) = decoder.dimensions();
+    let exif = segments(&bytes).find_map(|one| one.contents.strip_prefix(EXIF).filter(|_| one.marker == APP1));
+    let exif = exif.map(Exif::from_bytes).unwrap_or_default();
+    let orientation = Orientation::of(exif.orientation.unwrap_or(1));
+    let size = orientation.size([width as usize, height as usize]);
+    ask.check_size(size)?;
+    let channels = usize::from(decoder.color_type().channel_count());
+    let colour = match ask.purpose {
+        Purpose::Colours(_) => colour(&bytes, channels, exif)?,
+        _ => Colour::linear("stored values"),
+    };
+    Ok(Header { size, channels, depth: Depth::U8, colour, orientation, notes: Vec::new() })
+}
+
+/// Colour by the ICC profile, or else by EXIF.
+fn colour(jpeg: &[u8], channels: usize, exif: Exif) -> Result<Colour, FormatError> {
+    let parts: Vec<&[u8]> = segments(jpeg)
+        .filter(|segment| segment.marker == APP2)
+        .filter_map(|segment| segment.contents.strip_prefix(ICC))
+        .collect();
+    if !parts.is_empty() {
+        return Colour::of_profile(&profile(&parts)?, channels);
+    }
+    match exif.colour_space {
+        Some(EXIF_SRGB) => Ok(Colour::srgb("sRGB (EXIF)")),
+        Some(EXIF_ADOBE_RGB) => Colour::adobe_rgb("Adobe RGB (EXIF)"),
+        _ if exif.is_r03 => Colour::adobe_rgb("Adobe RGB (EXIF)"),
+        _ => Ok(Colour::srgb("sRGB (not stated)")),
+    }
+}
+
+/// Joins the parts of a profile: each begins with its number, from 1, and the number of parts.
+fn profile(parts: &[&[u8]]) -> Result<Vec<u8>, FormatError> {
+    let numbered: BTreeMap<u8, &[u8]> =
+        parts.iter().filter_map(|part| part.split_first_chunk()).map(|([number, _], rest)| (*number, rest)).collect();
+    let stated = parts[0].get(1).copied().unwrap_or(0);
+    if numbered.len() != usize::from(stated) || !numbered.keys().copied().eq(1..=stated) {
+        let found = format!("{} parts of {stated}", numbered.len());
+        return Err(FormatError::whole("ICC profile", found, "all parts of the profile"));
+    }
+    Ok(numbered.into_values().flatten().copied().collect())
+}
+
+pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
+    let bytes = all(&mut reader, ask)?;
+    check(&bytes).map_err(|problem| ask.broken(problem))?;
+    let decoder = decoder(&bytes, ask)?;
+    let (width, height) = decoder.dimensions();
+    let channels = usize::from(decoder.color_type().channel_count());
+    let size = [width as usize, height as usize];
+    let mut samples = filled("pixels", size[0] * size[1] * channels, 0u8)?;
+    decoder.read_image(&mut samples).map_err(|error| ask.broken(error))?;
+    Ok(Raster { size, channels, samples: Samples::U8(samples) })
+}
+
+fn all(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatError> {
+    let mut bytes = Vec::new();
+    reader.read_to_end(&mut bytes).map_err(|error| ask.broken(error))?;
+    Ok(bytes)
+}
+
+/// The decoder of a file of grey or of colours.
+fn decoder<'a>(jpeg: &'a [u8], ask: &Ask<'_>) -> Result<JpegDecoder<Cursor<&'a [u8]>>, FormatError> {
+    let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| ask.broken(error))?;
+    // The first byte after precision and size is the number of components.
+    let frame = segments(jpeg).find(|segment| matches!(segment.marker, 0xc0..=0xc2));
+    if frame.and_then(|frame| frame.contents.get(5)).is_some_and(|components| *components > 3) {
+        return Err(ask.found("JPEG of CMYK"));
+    }
+    Ok(decoder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn jpeg() -> Vec<u8> {
+        let mut jpeg = Cursor::new(Vec::new());
+        let noise =
+            image::RgbImage::from_fn(40, 24, |x, y| image::Rgb([(x * 61) as u8, (y * 99) as u8, (x * y) as u8]));
+        noise.write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+        jpeg.into_inner()
+    }
+
+    #[test]
+    fn a_truncated_image_is_refused() {
+        let jpeg = jpeg();
+        assert_eq!(check(&jpeg), Ok(()));
+        assert!((0..jpeg.len()).all(|length| check(&jpeg[..length]).is_err()));
+        // The decoder accepts many of these, and more of those that are closed.
+        let decoded = (0..jpeg.len()).filter(|length| image::load_from_memory(&jpeg[..*length]).is_ok()).count();
+        assert!(decoded > 100, "{decoded}");
+        let closed = |length: usize| [&jpeg[..length], &[0xff, END_OF_IMAGE]].concat();
+        let accepted: Vec<usize> = (2..jpeg.len() - 2).filter(|length| check(&closed(*length)).is_ok()).collect();
+        // A cut in the padding of the last byte loses nothing.
+        assert!(accepted.len() <= 1, "{accepted:?}");
+    }
+
+    /// The end of an embedded preview does not count; fill bytes, stray bytes and trailing bytes are ignored.
+    #[test]
+    fn previews_and_other_bytes_are_skipped() {
+        let jpeg = jpeg();
+        let segment = |marker: u8, contents: &[u8]| {
+            [&[0xff, marker][..], &(contents.len() as u16 + 2).to_be_bytes(), contents].concat()
+        };
+        let [preview, comment] = [segment(0xe1, &jpeg), segment(0xfe, b"\xff\xd9")];
+        for before in [preview.clone(), [&[0xff, 0xff], &comment[..]].concat(), [&preview[..], b"\0"].concat()] {
+            let whole = [&jpeg[..2], &before, &jpeg[2..], b"more"].concat();
+            assert!(image::load_from_memory(&whole).is_ok());
+            assert_eq!(check(&whole), Ok(()));
+            assert!(check(&whole[..whole.len() - 6]).is_err());
+        }
+    }
+}

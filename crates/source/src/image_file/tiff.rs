@@ -1,0 +1,224 @@
+//! TIFF: the first page that is no reduced copy, by the fields that say what its samples are.
+
+use super::ask::{Ask, ImageReader, Purpose};
+use super::colour::{Colour, Curve};
+use super::header::Header;
+use super::jpeg::check as check_jpeg;
+use super::orientation::Orientation;
+use super::raster::{Depth, Raster, Samples};
+use brdfc_formats::FormatError;
+use std::fmt::Display;
+use std::io::Read;
+use tiff::ColorType;
+use tiff::decoder::ifd::Value;
+use tiff::decoder::{Decoder, DecodingResult, DecodingSampleType, Limits};
+use tiff::tags::Tag;
+
+/// Maximum memory of a decoded page, of a part of it and of a field, bytes.
+const MAX_PAGE_BYTES: usize = 2 << 30;
+const MAX_FIELD_BYTES: usize = 64 << 20;
+/// Maximum number of pages of a file that are examined.
+const MAX_PAGES: usize = 4096;
+/// Bits of `NewSubfileType` of reduced images and of masks, and the value of `SubfileType` of full images.
+const REDUCED_OR_MASK: u32 = 0b101;
+const FULL: u32 = 1;
+/// Values of `Compression`.
+const UNCOMPRESSED: u16 = 1;
+const JPEG: u16 = 7;
+const ALLOWED: &str = "grey or RGB of unsigned integers of 8 or 16 bits, or of floats";
+
+/// The page to read, and its number from 1.
+struct Page<R: std::io::Read + std::io::Seek> {
+    decoder: Decoder<R>,
+    number: usize,
+    channels: usize,
+    sample: DecodingSampleType,
+}
+
+pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Header, FormatError> {
+    let Page { mut decoder, number, channels, sample } = open(reader, ask)?;
+    let (width, height) = decoder.dimensions().map_err(|error| broken(ask, error))?;
+    let orientation = decoder.find_tag_unsigned(Tag::Orientation).map_err(|error| broken(ask, error))?;
+    let orientation = Orientation::of(orientation.unwrap_or(1));
+    let depth = match sample {
+        DecodingSampleType::U8 => Depth::U8,
+        DecodingSampleType::U16 => Depth::U16,
+        _ => Depth::F32,
+    };
+    let colour = match ask.purpose {
+        Purpose::Colours(_) => colour(&mut decoder, channels, depth, ask)?,
+        _ => Colour::linear("stored values"),
+    };
+    let notes = (number > 1).then(|| format!("page {number}: those before are reduced images or masks"));
+    let size = orientation.size([width as usize, height as usize]);
+    Ok(Header { size, channels, depth, colour, orientation, notes: notes.into_iter().collect() })
+}
+
+pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
+    let Page { mut decoder, channels, .. } = open(&mut reader, ask)?;
+    let (width, height) = decoder.dimensions().map_err(|error| broken(ask, error))?;
+    check_lengths(&mut decoder, ask)?;
+    let mut samples = DecodingResult::U8(Vec::new());
+    let layout = decoder.read_image_to_buffer(&mut samples).map_err(|error| broken(ask, error))?;
+    if samples.as_buffer(0).byte_len() < layout.complete_len {
+        return Err(ask.broken("too many pixels for the decoder"));
+    }
+    let size = [width as usize, height as usize];
+    let planes = layout.planes.min(channels);
+    let expected = size[0] * size[1] * channels;
+    let samples = match samples {
+        DecodingResult::U8(samples) => Samples::U8(interleaved(samples, planes, expected, ask)?),
+        DecodingResult::U16(samples) => Samples::U16(interleaved(samples, planes, expected, ask)?),
+        DecodingResult::F16(samples) => {
+            let floats = samples.into_iter().map(f32::from).collect();
+            Samples::F32(interleaved(floats, planes, expected, ask)?)
+        }
+        DecodingResult::F32(samples) => Samples::F32(interleaved(samples, planes, expected, ask)?),
+        DecodingResult::F64(samples) => {
+            let floats = samples.into_iter().map(|sample| sample as f32).collect();
+            Samples::F32(interleaved(floats, planes, expected, ask)?)
+        }
+        _ => return Err(ask.broken("samples of another type")),
+    };
+    Ok(Raster { size, channels, samples })
+}
+
+/// Checks that strips or tiles are complete: the decoder reads on beyond uncompressed ones, and fills JPEGs with grey.
+fn check_lengths<R: ImageReader>(decoder: &mut Decoder<R>, ask: &Ask<'_>) -> Result<(), FormatError> {
+    let compression: Option<u16> = decoder.find_tag_unsigned(Tag::Compression).map_err(|error| broken(ask, error))?;
+    let mut all = |tags: [Tag; 2]| -> Result<Vec<u64>, FormatError> {
+        let found = tags.map(|tag| decoder.find_tag_unsigned_vec(tag).map_err(|error| broken(ask, error)));
+        let [strips, tiles] = found;
+        Ok(strips?.or(tiles?).unwrap_or_default())
+    };
+    let lengths = all([Tag::StripByteCounts, Tag::TileByteCounts])?;
+    if compression == Some(JPEG) {
+        let offsets = all([Tag::StripOffsets, Tag::TileOffsets])?;
+        let tables = decoder.find_tag(Tag::JPEGTables).map_err(|error| broken(ask, error))?;
+        let tables = tables.map(Value::into_u8_vec).transpose().map_err(|error| broken(ask, error))?;
+        // Tables are between markers of the start and the end of an image.
+        let tables =
+            tables.as_deref().and_then(|tables| tables.get(..tables.len().checked_sub(2)?)).unwrap_or_default();
+        for (offset, length) in offsets.into_iter().zip(lengths) {
+            let mut part = tables.to_vec();
+            let skipped = if tables.is_empty() { 0 } else { 2 };
+            decoder.goto_offset_u64(offset.saturating_add(skipped)).map_err(|error| broken(ask, error))?;
+            let length = length.saturating_sub(skipped);
+            decoder.inner().take(length).read_to_end(&mut part).map_err(|error| broken(ask, error))?;
+            check_jpeg(&part).map_err(|problem| ask.broken(problem))?;
+        }
+        return Ok(());
+    }
+    if compression.is_some_and(|compression| compression != UNCOMPRESSED) {
+        return Ok(());
+    }
+    let stated = lengths.into_iter().fold(0, u64::saturating_add);
+    let expected = decoder.image_buffer_layout().map_err(|error| broken(ask, error))?.complete_len as u64;
+    if stated < expected {
+        return Err(ask.broken(format!("strips or tiles of {stated} of {expected} bytes: the TIFF is truncated")));
+    }
+    Ok(())
+}
+
+fn interleaved<T: Copy>(samples: Vec<T>, planes: usize, expected: usize, ask: &Ask<'_>) -> Result<Vec<T>, FormatError> {
+    if samples.len() < expected {
+        return Err(ask.broken(format!("{} of {expected} samples", samples.len())));
+    }
+    if planes <= 1 {
+        return Ok(samples);
+    }
+    let pixels = expected / planes;
+    Ok((0..expected).map(|at| samples[at % planes * pixels + at / planes]).collect())
+}
+
+/// Finds the first page that is no reduced image and no mask.
+fn open<R: ImageReader>(reader: R, ask: &Ask<'_>) -> Result<Page<R>, FormatError> {
+    let mut limits = Limits::default();
+    (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (MAX_PAGE_BYTES, MAX_PAGE_BYTES);
+    limits.ifd_value_size = MAX_FIELD_BYTES;
+    let mut decoder = Decoder::new(reader).map_err(|error| broken(ask, error))?.with_limits(limits);
+    let mut number = 1;
+    while !is_full(&mut decoder).map_err(|error| broken(ask, error))? {
+        if !decoder.more_images() || number == MAX_PAGES {
+            return Err(ask.found("a TIFF of reduced images or masks only"));
+        }
+        decoder.next_image().map_err(|error| broken(ask, error))?;
+        number += 1;
+    }
+    let (width, height) = decoder.dimensions().map_err(|error| broken(ask, error))?;
+    let orientation = decoder.find_tag_unsigned(Tag::Orientation).map_err(|error| broken(ask, error))?;
+    ask.check_size(Orientation::of(orientation.unwrap_or(1)).size([width as usize, height as usize]))?;
+    let wrong = |found: String| FormatError::whole("TIFF samples", found, ALLOWED);
+    let colour = decoder.colortype().map_err(|error| broken(ask, error))?;
+    let channels = match colour {
+        ColorType::Gray(_) => 1,
+        ColorType::GrayA(_) | ColorType::Multiband { num_samples: 2, .. } => 2,
+        ColorType::RGB(_) => 3,
+        ColorType::RGBA(_) => 4,
+        other => return Err(wrong(format!("{other:?}"))),
+    };
+    let layout = decoder.image_buffer_layout().map_err(|error| broken(ask, error))?;
+    match layout.sample_type {
+        Some(sample @ (DecodingSampleType::U8 | DecodingSampleType::U16)) if [8, 16].contains(&colour.bit_depth()) => {
+            Ok(Page { decoder, number, channels, sample })
+        }
+        Some(sample @ (DecodingSampleType::F16 | DecodingSampleType::F32 | DecodingSampleType::F64)) => {
+            Ok(Page { decoder, number, channels, sample })
+        }
+        _ => Err(wrong(format!("{:?} of {} bits (SampleFormat)", layout.sample_format, colour.bit_depth()))),
+    }
+}
+
+fn is_full<R: ImageReader>(decoder: &mut Decoder<R>) -> Result<bool, tiff::TiffError> {
+    let new: Option<u32> = decoder.find_tag_unsigned(Tag::NewSubfileType)?;
+    let old: Option<u32> = decoder.find_tag_unsigned(Tag::SubfileType)?;
+    Ok(match new {
+        Some(new) => new & REDUCED_OR_MASK == 0,
+        None => old.is_none_or(|old| old == FULL || old == 3),
+    })
+}
+
+/// Colour by the ICC profile, or else by the fields of TIFF. Floats are linear.
+fn colour<R: ImageReader>(
+    decoder: &mut Decoder<R>,
+    channels: usize,
+    depth: Depth,
+    ask: &Ask<'_>,
+) -> Result<Colour, FormatError> {
+    if let Some(icc) = decoder.find_tag(Tag::IccProfile).map_err(|error| broken(ask, error))? {
+        let icc = icc.into_u8_vec().map_err(|error| broken(ask, error))?;
+        return Colour::of_profile(&icc, channels);
+    }
+    let mut pairs = |tag| -> Result<Option<Vec<[f64; 2]>>, FormatError> {
+        let Some(Value::List(values)) = decoder.find_tag(tag).map_err(|error| broken(ask, error))? else {
+            return Ok(None);
+        };
+        let numbers: Option<Vec<f64>> = values.iter().map(number).collect();
+        Ok(numbers.map(|numbers| numbers.as_chunks().0.to_vec()))
+    };
+    let (white, primaries) = (pairs(Tag::Unknown(318))?, pairs(Tag::Unknown(319))?);
+    let primaries = match (white.as_deref(), primaries.as_deref()) {
+        (Some([white]), Some([r, g, b])) => Some([*r, *g, *b, *white]),
+        _ => None,
+    };
+    let stated = "primaries of TIFF field PrimaryChromaticities";
+    match (depth, primaries) {
+        (Depth::F32, None) => Ok(Colour::linear("linear (TIFF of floats)")),
+        (Depth::F32, primaries) => Colour::of_curve(stated, Curve::LINEAR, primaries),
+        (_, None) => Ok(Colour::srgb("sRGB (not stated)")),
+        (_, Some(primaries)) => Colour::of_srgb_curve(stated, primaries),
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Rational(n, d) => Some(f64::from(*n) / f64::from(*d)),
+        Value::Float(value) => Some(f64::from(*value)),
+        Value::Double(value) => Some(*value),
+        _ => None,
+    }
+}
+
+fn broken(ask: &Ask<'_>, error: impl Display) -> FormatError {
+    ask.broken(error)
+}
