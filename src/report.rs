@@ -4,8 +4,8 @@
 //! [`sheet_png`] format the result. [`FlatPage`] does the same for a flat BTF.
 
 pub use brdfc_jobs::report::page::{
-    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, PER_PAGE, Page, PageOptions, PageReport, Reports, ViewLink, csv, flat_csv,
-    flat_html, gather, html, is_flat_btf,
+    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, PER_PAGE, Page, PageMaterial, PageOptions, PageReport, Reports, ViewLink,
+    csv, flat_csv, flat_html, gather, html, is_flat_btf, part_html,
 };
 pub use brdfc_jobs::scene::plan::REPORT;
 pub use brdfc_source::flat_btf::flat_btf_file;

@@ -2,7 +2,6 @@
 
 use super::against::{Regression, regressions};
 use super::evidence::{Evidence, LitBall, Stages, evidence};
-use super::html::part_html;
 use super::parts::{PagePart, listed_pack, map_part, wrong_kind};
 use super::view_link::{ViewLink, escaped};
 use crate::error::Error;
@@ -43,7 +42,7 @@ pub struct Page {
     pub parts: Vec<String>,
 }
 
-/// Materials of a page. Of more, renderings are on pages of their own.
+/// Maximum number of materials on a page. If there are more, renderings are on pages of their own.
 pub const PER_PAGE: usize = 100;
 
 impl Page {
@@ -148,15 +147,15 @@ impl Reports {
     }
 }
 
-/// Draws the packs of a folder and their sources. Of more than [`PER_PAGE`] materials, `write` receives names and contents of
-/// the pages with their renderings, and the page itself has none: renderings of thousands of materials exceed the memory.
+/// Draws the packs of a folder and their sources. If there are more than [`PER_PAGE`] materials, `write` receives the name of each
+/// further page and its materials, and the page itself has no renderings: those of thousands of materials exceed the memory.
 ///
 /// # Errors
 /// Returns an error if a pack cannot be read or differs from the report, and those of `write`.
 pub fn gather(
     reports: Reports,
     options: PageOptions<'_>,
-    write: &mut dyn FnMut(&str, &str) -> Result<(), Error>,
+    write: &mut dyn FnMut(&Page, &str, &[PageMaterial]) -> Result<(), Error>,
     progress: &dyn Progress,
 ) -> Result<Page, Error> {
     let Reports { folder, new: mut report, old, only_missed, _held } = reports;
@@ -196,7 +195,7 @@ pub fn gather(
         let next: Vec<MaterialEntry> = entries.by_ref().take(PER_PAGE).collect();
         let mut next = next.into_par_iter().map(drawn).collect::<Result<Vec<_>, Error>>()?;
         if let Some(name) = page.parts.get(page.materials.len() / PER_PAGE) {
-            write(name, &part_html(&page, &next, options.name))?;
+            write(&page, name, &next)?;
             if !options.keeps_renderings {
                 next.iter_mut().filter_map(|material| material.evidence.as_mut()).for_each(Evidence::drop_renderings);
             }

@@ -56,7 +56,7 @@ pub fn html(page: &Page) -> String {
 }
 
 /// Writes a page with the sections of some materials of `page`, whose file is `name`.
-pub(super) fn part_html(page: &Page, materials: &[PageMaterial], name: &str) -> String {
+pub fn part_html(page: &Page, materials: &[PageMaterial], name: &str) -> String {
     let [first, last] = [materials.first(), materials.last()].map(|one| one.map_or("", |one| &one.entry.material));
     let content = html! {
         p { a href=(escaped(name)) { "All materials" } }

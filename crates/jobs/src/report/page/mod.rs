@@ -18,7 +18,7 @@ pub use csv::{CSV_HEADER, FLAT_CSV_HEADER, csv, flat_csv};
 pub use evidence::{Evidence, LitBall, Stages, Thumbnails, evidence};
 pub use flat::{FlatPage, flat_html, is_flat_btf};
 pub use gather::{PER_PAGE, Page, PageMaterial, PageOptions, Reports, gather, source_of};
-pub use html::html;
+pub use html::{html, part_html};
 pub use parts::PagePart;
 pub use sheet::sheet;
 pub use view_link::{ViewLink, source_name};
