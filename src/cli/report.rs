@@ -8,8 +8,8 @@ use super::progress::Materials;
 use super::{Common, Error};
 use brdfc::inspect::{AnyPack, open_pack};
 use brdfc::report::{
-    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, PageOptions, REPORT, Reports, ViewLink, csv, flat_btf_file, flat_csv,
-    flat_html, gather, html, is_flat_btf, sheet_png,
+    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, Page, PageMaterial, PageOptions, REPORT, Reports, ViewLink, csv,
+    flat_btf_file, flat_csv, flat_html, gather, html, is_flat_btf, part_html, sheet_png,
 };
 use brdfc::view::{ViewOptions, open_items, view_page};
 use brdfc::{Fraction, Input, Progress};
@@ -65,7 +65,7 @@ pub struct Arguments {
 /// Materials of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Only {
-    /// Those that failed, or missed a limit or a requirement.
+    /// Materials that failed, or missed a limit or a requirement.
     Missed,
 }
 
@@ -113,10 +113,10 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let name = output.file_name().unwrap_or_default().to_string_lossy();
     let options = PageOptions { tolerance, name: &name, view, keeps_renderings: arguments.sheet.is_some() };
     let files = [&built[..], &inputs].concat();
-    let mut write = |name: &str, page: &str| {
-        let path = output.with_file_name(name);
+    let mut write = |page: &Page, part: &str, materials: &[PageMaterial]| {
+        let path = output.with_file_name(part);
         refuse_overwriting("--output", &path, &files)?;
-        write_file(&path, page.as_bytes())
+        write_file(&path, part_html(page, materials, &name).as_bytes())
     };
     let page = gather(reports, options, &mut write, &progress)?;
     drop(progress);

@@ -113,7 +113,7 @@ pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, InputError> {
     read_file_observed(path, limit, &mut ())
 }
 
-/// Same as [`read_file`] for files of a build, which are not pipes: nobody may ever write to one.
+/// Same as [`read_file`] for files of a build, which are not pipes: a pipe may never have a writer.
 ///
 /// # Errors
 /// Returns the errors of [`read_file`], and one for pipes.

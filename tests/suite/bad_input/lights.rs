@@ -40,9 +40,9 @@ fn stacks_that_are_broken() {
         ([4, 4], "2\na.png 0 0 1\na.png 0 1 1", "l.lp: line 3, image: \"a.png\" is already on line 2; expected "),
         ([4, 4], "1\na.png 0 0 0", "l.lp: line 2, direction: vector of length 0; expected "),
         ([4, 4], "1\na.png 0 1 0", "l.lp: line 2, direction: 0 1 0 is at or below the horizon, like all "),
-        ([4, 4], "1\na.png 0 nan 1", "l.lp: line 2, y: found \"nan\", expected a finite number"),
+        ([4, 4], "1\na.png 0 nan 1", "l.lp: line 2, direction: no finite vector in the list"),
         ([4, 4], "", "l.lp: number of lights: empty file; expected "),
-        ([4, 4], "1\na.png 0,1 0 1", "l.lp: line 2, x: found \"0,1\", expected a finite number; use a decimal point\n"),
+        ([4, 4], "1\na.png x 0 1", "l.lp: line 2, x: found \"x\", expected a number\n"),
         ([4, 4], "1\0", "l.lp: line 1, text: NUL byte"),
     ] {
         for input in ["s", "s/l.lp"] {

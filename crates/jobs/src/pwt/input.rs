@@ -71,8 +71,8 @@ impl LightInput {
     /// Returns an error if the input cannot be read or is of another kind, the view does not exist, or the photographs exceed the
     /// limit.
     pub fn open_as(input: &Input, view: Option<ViewChoice>, codes: Option<CodeValues>) -> Result<Self, Error> {
-        let is_folder_or_list = input.path().is_some_and(|path| path.is_dir() || is_rti_capture(path));
-        if codes.is_some() && !is_folder_or_list {
+        let has_photographs = |path: &Path| path.is_dir() || is_rti_capture(path);
+        if codes.is_some() && !input.path().is_some_and(has_photographs) {
             return Err(Error::usage("--photographs applies only to RTI captures and folders of BTF images"));
         }
         let extension = input.extension()?;
@@ -120,6 +120,9 @@ impl LightInput {
         let view = view.unwrap_or(ViewChoice::One(0));
         // The folder of a flat BTF may also hold renderings.
         if flat_btf_file(path)?.is_some() {
+            if codes.is_some() {
+                return Err(Error::usage("--photographs does not apply to flat BTFs"));
+            }
             return Ok(Self::Photographs(flat_view(path, view)?, About::default()));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {

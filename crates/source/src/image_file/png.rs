@@ -10,17 +10,32 @@ use brdfc_formats::FormatError;
 use brdfc_formats::memory::filled;
 use moxcms::{CicpProfile, ColorProfile, MatrixCoefficients, TransferCharacteristics};
 use png::{BitDepth, ColorType, Decoder, Info, Limits, Reader, Transformations};
+use std::io::{Read, SeekFrom};
 
 /// Largest compression ratio of a deflate stream.
 const MAX_DEFLATE_RATIO: u64 = 1032;
+/// Length of the signature before the first chunk, and maximum length of EXIF metadata that is read.
+const SIGNATURE_BYTES: u64 = 8;
+const MAX_EXIF_BYTES: u64 = 1 << 20;
 /// Maximum memory of chunks other than pixels, bytes.
 const MAX_CHUNK_BYTES: usize = 256 << 20;
 
+/// Chunks that the decoder skips: EXIF after the pixels, and a profile that it cannot decompress.
+#[derive(Default)]
+struct Skipped {
+    exif: Exif,
+    has_profile: bool,
+}
+
 pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Header, FormatError> {
+    let Skipped { exif, has_profile } = skipped(reader).unwrap_or_default();
+    rewind(reader, ask)?;
     let reader = open(reader, ask)?;
     let info = reader.info();
     let (colour, depth) = reader.output_color_type();
-    let exif = info.exif_metadata.as_ref().map(|bytes| Exif::from_bytes(bytes)).unwrap_or_default();
+    if has_profile && info.icc_profile.is_none() {
+        return Err(FormatError::whole("ICC profile", "a broken PNG chunk iCCP", "a complete profile").problem());
+    }
     let orientation = Orientation::of(exif.orientation.unwrap_or(1));
     let converted = matches!(ask.purpose, Purpose::Colours(_));
     Ok(Header {
@@ -34,7 +49,7 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
 }
 
 pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
-    let length = reader.seek(std::io::SeekFrom::End(0)).unwrap_or(u64::MAX);
+    let length = reader.seek(SeekFrom::End(0)).unwrap_or(u64::MAX);
     rewind(&mut reader, ask)?;
     let mut reader = open(&mut reader, ask)?;
     let info = reader.info();
@@ -55,6 +70,31 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
         _ => Samples::U8(bytes),
     };
     Ok(Raster { size, channels: colour.samples(), samples })
+}
+
+/// Walks through all chunks. A file that ends early has those before.
+fn skipped(reader: &mut impl ImageReader) -> std::io::Result<Skipped> {
+    let mut found = Skipped::default();
+    reader.seek(SeekFrom::Start(SIGNATURE_BYTES))?;
+    let mut head = [0; 8];
+    while reader.read_exact(&mut head).is_ok() {
+        let [a, b, c, d, name @ ..] = head;
+        let length = u64::from(u32::from_be_bytes([a, b, c, d]));
+        match &name {
+            b"IEND" => break,
+            b"iCCP" => found.has_profile = true,
+            b"eXIf" => {
+                let mut exif = Vec::new();
+                reader.by_ref().take(length.min(MAX_EXIF_BYTES)).read_to_end(&mut exif)?;
+                found.exif = Exif::from_bytes(&exif);
+                reader.seek_relative(-(exif.len() as i64))?;
+            }
+            _ => {}
+        }
+        // Its checksum follows.
+        reader.seek_relative(length as i64 + 4)?;
+    }
+    Ok(found)
 }
 
 /// Reads the chunks before the pixels.

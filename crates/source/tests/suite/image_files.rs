@@ -382,6 +382,8 @@ fn profiles_that_do_not_fit_are_refused() {
     let grey = ColorProfile::new_gray_with_gamma(2.2).encode().unwrap();
     assert!(error(&grey).contains("ICC profile: found a profile of Gray for 3 channels, expected"), "{}", error(&grey));
     assert!(error(b"no profile").contains("ICC profile: "), "{}", error(b"no profile"));
+    let broken = photograph(&png8(&[(b"iCCP", b"x\0\0no stream".to_vec())]), "png", None).unwrap_err();
+    assert!(broken.contains("ICC profile: a broken PNG chunk iCCP; expected"), "{broken}");
     let adobe = Stated::Adobe.profile().unwrap();
     let mut parts = jpeg_icc(&adobe, 100);
     parts.remove(1);
@@ -426,6 +428,11 @@ fn images_are_turned_upright() {
             }
         }
     }
+    // EXIF may follow the pixels.
+    let (with, without) = (png8(&[(b"eXIf", exif(3, 1, false))]), png8(&[]));
+    let (head, tail) = without.split_at(without.len() - 12);
+    let late = [head, &with[33..33 + 12 + exif(3, 1, false).len()], tail].concat();
+    assert_eq!(photograph(&late, "png", None).unwrap().0, photograph(&with, "png", None).unwrap().0);
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.png"), png8(&[(b"eXIf", exif(1, 1, false))])).unwrap();
     std::fs::write(folder.path().join("b.png"), png8(&[(b"eXIf", exif(3, 1, false))])).unwrap();
