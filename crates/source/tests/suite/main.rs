@@ -5,6 +5,7 @@ mod direction_set;
 mod flat_btf_files;
 mod gonio_held_out;
 mod large_files;
+mod mirror_azimuth;
 mod noisy_scans;
 mod noisy_tables;
 mod rgl_corrupt;
