@@ -1,6 +1,7 @@
 //! Opens the inputs of flattening: geometry, materials, images.
 
 use crate::error::Error;
+use crate::report::fit::Evidence;
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::one_of;
@@ -10,10 +11,11 @@ use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::tile_image::TileImage;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, from_heights, weld};
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_source::Input;
 use brdfc_source::meso::{MesoInput, open_meso};
-use brdfc_source::open::{Facts, open};
+use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
 use brdfc_wavelet::encode::encode;
@@ -184,7 +186,22 @@ pub fn open_appearance(
     materials: &[Input],
     progress: &dyn Progress,
 ) -> Result<Appearance, Error> {
-    let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
+    open_observed(options, materials, &mut |_| Ok(()), progress)
+}
+
+/// Same as [`open_appearance`], and calls `observe` with the source of each material before it is tabulated.
+fn open_observed(
+    options: &MesoOptions,
+    materials: &[Input],
+    observe: &mut dyn FnMut(&dyn Source) -> Result<(), Error>,
+    progress: &dyn Progress,
+) -> Result<Appearance, Error> {
+    let opened = |material| {
+        let opened = open(material, None)?;
+        observe(opened.source.as_ref())?;
+        tabulated(opened, progress)
+    };
+    let sources = materials.iter().map(opened).collect::<Result<_, _>>()?;
     let colour = options.colour.as_ref().map(open_colours).transpose()?;
     let weights = options.weights.as_ref().map(open_shares).transpose()?;
     Ok(Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) })
@@ -194,8 +211,8 @@ fn tile_image<const N: usize>(FileImage { width, height, pixels }: FileImage<N>)
     TileImage { width, height, pixels }
 }
 
-fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, Error> {
-    let opened = open(material, None)?;
+/// The source of a material; a table of it for a scan.
+fn tabulated(opened: Opened, progress: &dyn Progress) -> Result<Box<dyn Source>, Error> {
     if !matches!(opened.facts, Facts::Scan(_)) {
         return Ok(opened.source);
     }
@@ -221,6 +238,8 @@ pub struct Surface {
     pub materials: Vec<String>,
     /// Source of the values of texels.
     pub values: Values,
+    /// Properties of the materials on which the meaning of errors against them depends; empty for an ordinary BTF.
+    pub evidence: Vec<Evidence>,
 }
 
 impl Surface {
@@ -233,15 +252,20 @@ impl Surface {
         let Some(path) = btf else {
             let geometry = open_geometry(options)?;
             let inputs = material_list(options, &geometry)?;
-            let appearance = open_appearance(options, &inputs, &())?;
+            let mut evidence = Vec::new();
+            let mut observe = |source: &dyn Source| -> Result<(), Error> {
+                evidence.push(Evidence::measure(source, DirectionRange::ALL, &())?);
+                Ok(())
+            };
+            let appearance = open_observed(options, &inputs, &mut observe, &())?;
             let materials = inputs.iter().map(Input::short_name).collect();
-            return Ok(Self { geometry, materials, values: Values::Computed(appearance) });
+            return Ok(Self { geometry, materials, values: Values::Computed(appearance), evidence });
         };
         let stack = OrdinaryBtf::open(path)?;
         let mut geometry = open_geometry(options)?;
         let folder = path.canonicalize().ok();
         let folder = folder.as_deref().and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned());
         geometry.name = format!("{} over {}", folder.unwrap_or_else(|| "images".to_owned()), geometry.name);
-        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack) })
+        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack), evidence: Vec::new() })
     }
 }

@@ -54,7 +54,7 @@ impl FlattenJob<'_> {
 /// file of that name then stays unchanged.
 pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Error> {
     job.check().map_err(Error::usage)?;
-    let Surface { geometry, materials, values: texels } = job.surface;
+    let Surface { geometry, materials, values: texels, .. } = job.surface;
     let Geometry { mesh, weld, name: source, input, .. } = geometry;
     let staging = Staging::new(job.folder).map_err(|error| Error::write(job.folder, &error))?;
     let scratch = FolderScratch::new(staging.path().to_owned(), job.folder);
