@@ -148,6 +148,43 @@ kinds! {
     };
 }
 
+/// Flat BTFs of such materials fail as their packs do.
+#[test]
+fn flat_btfs_share_the_checks() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    folder.write("one.csv", Kind { incidences: 1, ..DENSE }.csv());
+    let flatten = |material: &str, more: &[&str]| {
+        let small = ["--texels", "16", "--views", "grid:2x6@50", "--max-delta-e", "50"];
+        let input = ["flatten", "synth:folds?resolution=24", "-o", "out", "--material", material];
+        folder.run(&[&input[..], &small, more].concat())
+    };
+    let black = flatten("synth:lambert?kd=0", &[]);
+    assert!(black.code == 1 && black.stderr.contains("--max-delta-e: no light: the material is black"), "{black:?}");
+    let one = flatten("one.csv", &[]);
+    assert!(one.code == 1 && one.stderr.contains("one.csv: fit: no reliable fit: "), "{one:?}");
+    flatten("one.csv", &["--trust-fit"]).succeeded();
+    flatten("synth:lambert", &[]).succeeded();
+}
+
+/// A table in MERL's layout cannot hold the two values of exchanged directions.
+#[test]
+fn conversions_say_what_they_lose() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    folder.write("noisy.csv", Kind { noise: 0.9, ..DENSE }.csv());
+    let convert = |input: &str, more: &[&str]| {
+        folder.run(&[&["convert", input, "-o", "table.binary", "--dimensions", "45x45x90"], more].concat())
+    };
+    let lost = convert("noisy.csv", &["--smooth", "false"]).succeeded();
+    assert!(lost.stderr.contains("the file differs from its source by a mean ΔE of "), "{lost:?}");
+    let missed = convert("noisy.csv", &["--smooth", "false", "--max-delta-e", "0.5", "--trust-fit"]);
+    assert!(missed.code == 1 && missed.stderr.contains("--max-delta-e: found a mean of "), "{missed:?}");
+    assert_eq!(folder.files(".").len(), 2, "the file is written");
+    let black = convert("synth:lambert?kd=0", &["--max-error", "10%"]);
+    assert!(black.code == 1 && black.stderr.contains("--max-error: no sample above the floor"), "{black:?}");
+    let good = convert("synth:ggx?alpha=0.4", &["--max-delta-e", "1", "--max-error", "20%"]).succeeded();
+    assert!(!good.stderr.contains("differs"), "{good:?}");
+}
+
 /// The control: a dense scan meets the same limits.
 #[test]
 fn dense_scans_are_believed() {

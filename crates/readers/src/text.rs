@@ -1,6 +1,7 @@
 //! Checks of text files.
 
 use brdfc_formats::FormatError;
+use std::borrow::Cow;
 
 /// Longest line and longest record of a table, bytes.
 pub(crate) const MAX_LINE_BYTES: usize = 16 << 20;
@@ -31,6 +32,26 @@ pub(crate) fn checked(bytes: &[u8]) -> Result<&str, FormatError> {
         start += line.len() + 1;
     }
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
+}
+
+/// Decodes text as [`checked`] does, but replaces other bytes than UTF-8 in comments, lines that start with `#`: programs
+/// write the names of people and samples there, often in Latin-1.
+///
+/// # Errors
+/// Returns the errors of [`checked`].
+pub(crate) fn checked_but_comments(bytes: &[u8]) -> Result<Cow<'_, str>, FormatError> {
+    if std::str::from_utf8(bytes).is_ok() || bytes.contains(&0) {
+        return checked(bytes).map(Cow::Borrowed);
+    }
+    let mut repaired = Vec::with_capacity(bytes.len());
+    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        if line.trim_ascii_start().starts_with(b"#") {
+            repaired.extend(String::from_utf8_lossy(line).as_bytes());
+        } else {
+            repaired.extend(line);
+        }
+    }
+    checked(&repaired).map(|text| Cow::Owned(text.to_owned()))
 }
 
 /// Error of a line that is too long.
@@ -67,6 +88,17 @@ mod tests {
             assert_eq!(message(bytes), "text: found UTF-16, expected UTF-8");
         }
         assert_eq!(message(b"\xff\xd8"), "line 1, text: found byte 0xff, expected UTF-8");
+    }
+
+    #[test]
+    fn comments_may_be_latin_1() {
+        let text = checked_but_comments(b"  # Caf\xe9\n1 2\n").unwrap();
+        assert_eq!(text, "  # Caf\u{fffd}\n1 2\n");
+        assert_eq!(checked_but_comments("# Café\n1".as_bytes()).unwrap(), "# Café\n1");
+        let message = |bytes: &[u8]| checked_but_comments(bytes).unwrap_err().to_string();
+        assert_eq!(message(b"# \xe9\n1 \xe9\n"), "line 2, text: found byte 0xe9, expected UTF-8");
+        assert!(message(b"# \xe9\n\0").starts_with("line 2, text: NUL byte at byte 4"));
+        assert!(message(b"\xff\xfe#\0\n\0").contains("UTF-16"));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Gates: limits that a finished pack has to meet, independently of its recipe. A gate with nothing to measure fails.
 
-use crate::report::fit;
+use super::lobes::{LOBES, LobesReport};
+use crate::report::fit::{self, Evidence, Found};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
 use brdfc_codec::{Budget, ErrorLimits, FitLimits, OptionError};
@@ -51,15 +52,25 @@ pub struct Gates {
     pub fit: FitLimits,
     /// Error limits of the pack, from `require` or the recipe. They also apply to the error against the samples.
     pub errors: ErrorLimits,
+    /// Error limit of the lobes that the manifest sets.
+    pub lobes: ErrorLimits,
 }
 
-/// Checks a material against its gates.
-pub fn check(gates: &Gates, report: &MaterialReport) -> Vec<GateResult> {
+/// Checks a material and its lobes, if it has any, against its gates.
+pub fn check(gates: &Gates, report: &MaterialReport, lobes: Option<&LobesReport>) -> Vec<GateResult> {
     let mut results = check_pack(&gates.required, report);
     let is_new = |result: &GateResult| results.iter().all(|other| other.gate != required(&result.gate) || other.passed);
     let of_source: Vec<GateResult> =
         fit::check_report(gates.fit, gates.errors, report).into_iter().filter(is_new).collect();
     results.extend(of_source);
+    if let Some(lobes) = lobes {
+        let found = Found { delta_e: Some(lobes.facts.delta_e.mean), relative: None, all_lights: true };
+        let limits = FitLimits { error: None, ..gates.fit };
+        let of_lobes = fit::check(limits, gates.lobes, &Evidence::of(report), found);
+        results.extend(
+            of_lobes.into_iter().map(|result| GateResult { gate: format!("{LOBES}.{}", result.gate), ..result }),
+        );
+    }
     results
 }
 
