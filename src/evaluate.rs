@@ -5,7 +5,7 @@
 
 pub use brdfc_jobs::pwt::Relightable;
 pub use brdfc_metrics::values::values_at;
-pub use brdfc_readers::scan_csv::{TexelQuery, delimiter, texels_from_bytes};
+pub use brdfc_readers::scan_csv::{Body, TexelQuery, texels_from_bytes};
 
 use crate::{DirectionPair, Error, Input, Material, Reading, open_with};
 use brdfc_core::words::format_number;

@@ -4,7 +4,7 @@ use crate::{Error, ErrorKind, FitLimits, MaterialReport, Progress};
 use brdfc_formats::BrdfPack;
 use brdfc_jobs::encode::{EncodedPack, ErrorLimits, Message};
 use brdfc_jobs::outputs::write_file;
-use brdfc_jobs::report::fit::check;
+use brdfc_jobs::report::fit::check_report;
 use brdfc_jobs::report::gate::GateResult;
 use brdfc_source::open::Opened;
 use std::path::Path;
@@ -39,7 +39,7 @@ impl Pack {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let report = MaterialReport::new(&encoded, opened, progress)?;
-        let gates = check(fit, errors, &report);
+        let gates = check_report(fit, errors, &report);
         let closed = gates.iter().filter(|gate| !gate.passed);
         let limits = report.missed.as_deref().map(Message::from);
         let missed = limits.into_iter().chain(closed.map(GateResult::message));

@@ -1,14 +1,16 @@
 //! `brdfc convert`: writes a source in a file format of other programs.
 
-use super::output::{json_or, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
+use super::options::{by_flags, failed};
+use super::output::{json_or, note, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
 use super::reading::{ReadingOptions, open_read};
 use super::synth::dimensions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::Comparison;
 use brdfc::convert::{ConvertError, PairGrid, Target, convert};
+use brdfc::encode::{ErrorLimits, Evidence, Found, GateResult, check, check_output};
 use brdfc::relight::PTM;
-use brdfc::{Facts, Input};
+use brdfc::{Budget, Facts, FitLimits, Fraction, Input};
 use brdfc_terminal::words::quoted;
 use clap::Args;
 use serde::Serialize;
@@ -40,6 +42,16 @@ pub struct Arguments {
     /// 12x24x48). Polar angles range from 0 to 85 degrees. Isotropic materials have 1 incoming azimuth, others 8.
     #[arg(long, value_name = "IxOxA", allow_hyphen_values = true)]
     grid: Option<String>,
+    /// Maximum mean ΔE between renderings of the file and of the input; 95 % have to be below four times this. If the file
+    /// misses a limit, the program writes it, and exits with code 1.
+    #[arg(long, value_name = "E")]
+    max_delta_e: Option<f64>,
+    /// Maximum mean relative error ε_r: a fraction or a percentage, 0.05 or 5%.
+    #[arg(long, value_name = "E")]
+    max_error: Option<Fraction>,
+    /// Scans: count the error against the fit to a scan as the error against the material.
+    #[arg(long)]
+    trust_fit: bool,
     #[command(flatten)]
     reading: ReadingOptions,
 }
@@ -60,6 +72,10 @@ pub struct Report {
     /// Comparison of the file with the input.
     #[serde(flatten)]
     comparison: Comparison,
+    /// Cause of a visible error.
+    loss: Option<String>,
+    /// Results of the checks of limits, if any were requested.
+    gates: Vec<GateResult>,
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
@@ -70,6 +86,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         if is_map { error.with_message(text) } else { error }
     })?;
     let (kind, target) = target(arguments)?;
+    let limits = Budget::checked(arguments.max_delta_e, None, arguments.max_error, None, None).map_err(by_flags)?;
+    let limits = ErrorLimits::from(&limits);
     let material = open_read(&arguments.input, arguments.reading)?;
     let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
@@ -82,10 +100,24 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     })?;
     write_file(output, &converted.bytes)?;
     let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);
+    let mut gates = check_output(limits, &comparison);
+    if limits != ErrorLimits::default() {
+        let evidence = Evidence::measure(material.source(), material.source().directions(), &())?;
+        let fit = FitLimits { error: None, trusted: arguments.trust_fit };
+        let of_source = check(fit, limits, &evidence, Found::of(&comparison));
+        // A black material fails both.
+        gates.extend(of_source.into_iter().filter(|_| !evidence.black));
+    }
+    if let Some(loss) = &converted.loss {
+        note(common, &arguments.input, loss);
+    }
+    let missed = failed(&gates).map(|missed| Error::check(missed).prefixed(&arguments.input));
     let wrote = format!("{values} values, {}\n", table::bytes(bytes_on_disk as u64));
     let text = wrote + &table::comparison(&comparison, material.source().directions());
-    let report = Report { version: 1, kind, source: material.facts().clone(), values, bytes_on_disk, comparison };
-    print_report(common, output, &json_or(common, &report, text))
+    let (source, loss) = (material.facts().clone(), converted.loss);
+    let report = Report { version: 2, kind, source, values, bytes_on_disk, comparison, loss, gates };
+    print_report(common, output, &json_or(common, &report, text))?;
+    missed.map_or(Ok(()), Err)
 }
 
 /// Selects the target format by the extension of the output.

@@ -1,15 +1,16 @@
 //! `brdfc encode --codec lobes`: the lobes of one material.
 
 use super::encode::Arguments;
-use super::options::{by_flags, first_key, flag_of};
-use super::output::{json_or, note_repairs, print_report, write_file};
+use super::options::{by_flags, failed, first_key, flag_of};
+use super::output::{json_or, note, note_repairs, print_report, write_file};
 use super::progress::{Materials, label};
 use super::reading::open_read;
 use super::{Common, Error};
 use crate::table;
-use brdfc::encode::{StageClock, StageTime};
+use brdfc::compare::DirectionRange;
+use brdfc::encode::{ErrorLimits, Evidence, Found, GateResult, StageClock, StageTime, check};
 use brdfc::lobes::{LobesFacts, LobesRecipe, LobesTrial, encode, missed};
-use brdfc::{EncodeOptions, Facts, Progress as _, Stage, Tally};
+use brdfc::{EncodeOptions, Facts, FitLimits, Progress as _, Stage, Tally};
 use serde::Serialize;
 
 /// Report of `brdfc encode --codec lobes --json`.
@@ -23,6 +24,10 @@ pub struct Report {
     pack: Candidate,
     /// All packs that were tried, from few look-ups to many.
     tried: Vec<Candidate>,
+    /// Properties of the source on which the meaning of the errors depends.
+    evidence: Evidence,
+    /// Results of the checks of the source, if limits were requested.
+    gates: Vec<GateResult>,
     /// Bytes of the file.
     bytes_on_disk: usize,
     /// Counts of repairs.
@@ -48,18 +53,26 @@ impl Candidate {
     }
 }
 
-/// Resolves the recipe. With `--max-fetches` alone, the error is as small as possible.
-fn recipe(options: &EncodeOptions) -> Result<LobesRecipe, Error> {
-    let others = EncodeOptions { max_delta_e: None, max_fetches: None, codec: None, ..options.clone() };
+/// Resolves the recipe and the limits of the fit. With `--max-fetches` alone, the error is as small as possible.
+fn request(options: &EncodeOptions) -> Result<(LobesRecipe, FitLimits), Error> {
+    let others = EncodeOptions {
+        max_delta_e: None,
+        max_fetches: None,
+        codec: None,
+        max_fit_error: None,
+        trust_fit: None,
+        ..options.clone()
+    };
     if let Some(key) = first_key(&others) {
-        let text = "does not apply to --codec lobes, which takes --max-delta-e and --max-fetches";
+        let text = "does not apply to --codec lobes, which takes --max-delta-e, --max-fetches, --max-fit-error and --trust-fit";
         return Err(Error::usage(format!("{} {text}", flag_of(key))));
     }
-    brdfc::lobes::recipe(options.max_delta_e, options.max_fetches).map_err(by_flags)
+    let recipe = brdfc::lobes::recipe(options.max_delta_e, options.max_fetches).map_err(by_flags)?;
+    Ok((recipe, options.fit_limits().map_err(by_flags)?))
 }
 
 pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common) -> Result<(), Error> {
-    let recipe = recipe(options)?;
+    let (recipe, fit) = request(options)?;
     let progress = Materials::new(1, false, common);
     let name = label(&arguments.output);
     let part = progress.part(&name);
@@ -67,6 +80,8 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     clock.stage(Stage::Read, 1)?;
     let material = open_read(&arguments.input, arguments.reading)?;
     let encoded = encode(material.source(), &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
+    let evidence = Evidence::measure(material.source(), DirectionRange::ALL, &clock)
+        .map_err(|cancelled| Error::from(cancelled).prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let best = encoded.best();
     let bytes = best.pack.to_bytes(arguments.options.supercompress());
@@ -76,13 +91,23 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     drop(progress);
     note_repairs(common, &arguments.input, &encoded.tally);
     let tried: Vec<Candidate> = encoded.trials.iter().map(Candidate::new).collect();
-    let missed = missed(&encoded, &recipe)
-        .map(|missed| Error::check(format!("--max-delta-e: {missed}")).prefixed(&arguments.input));
+    for line in evidence.remarks(best.error.mean) {
+        note(common, &arguments.input, &line);
+    }
+    // The default limit is not a check of the source.
+    let errors = ErrorLimits { delta_e: options.max_delta_e, relative: None };
+    let gates =
+        check(fit, errors, &evidence, Found { delta_e: Some(best.error.mean), relative: None, all_lights: true });
+    let missed = missed(&encoded, &recipe).map(|missed| format!("--max-delta-e: {missed}"));
+    let missed = missed.into_iter().chain(failed(&gates)).reduce(|all, next| format!("{all}; {next}"));
+    let missed = missed.map(|missed| Error::check(missed).prefixed(&arguments.input));
     let report = Report {
-        version: 1,
+        version: 2,
         input: material.facts().clone(),
         pack: Candidate::new(best),
         tried,
+        evidence,
+        gates,
         bytes_on_disk: bytes.len(),
         repairs: encoded.tally,
         stages,

@@ -4,7 +4,7 @@ use super::inputs::refuse_stdin_twice;
 use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
-use brdfc::evaluate::{Relightable, check_level, delimiter, open_level, pairs_from_csv, texels_from_bytes, values_at};
+use brdfc::evaluate::{Body, Relightable, check_level, open_level, pairs_from_csv, texels_from_bytes, values_at};
 use brdfc::{Input, Reading};
 use brdfc_terminal::words::format_number;
 use clap::Args;
@@ -103,7 +103,7 @@ fn appended<'a, T: ToString + 'a>(
     columns: [&str; 3],
     values: impl Iterator<Item = &'a [T; 3]>,
 ) -> Result<String, csv::Error> {
-    let delimiter = delimiter(bytes);
+    let Body { bytes, delimiter, .. } = Body::of(bytes);
     let mut reader = csv::ReaderBuilder::new();
     let mut reader = reader.delimiter(delimiter).trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
     let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(Vec::new());

@@ -1,7 +1,7 @@
 //! Flags that determine how a pack is encoded and stored.
 
 use super::Error;
-use brdfc::encode::OptionError;
+use brdfc::encode::{GateResult, OptionError};
 use brdfc::lobes::CODEC;
 use brdfc::{EncodeOptions, FitLimits, PackRecipe};
 use clap::{Args, Command};
@@ -56,6 +56,13 @@ pub fn first_key(options: &EncodeOptions) -> Option<&'static str> {
 /// Names options by their flags.
 pub fn by_flags(error: impl Into<Error>) -> Error {
     error.into().name_options(flag_of)
+}
+
+/// Messages of failed checks, with flags for keys.
+pub fn failed(gates: &[GateResult]) -> Option<String> {
+    let closed = gates.iter().filter(|gate| !gate.passed).map(GateResult::message);
+    let all = closed.reduce(|all, next| all.with_text("; ").with_message(&next))?;
+    Some(by_flags(brdfc::Error::with_keys(brdfc::ErrorKind::Check, all)).to_string())
 }
 
 /// The flag of an option's key; keys without a flag, such as `require.max_bytes`, stay as they are.

@@ -12,3 +12,4 @@ mod packages;
 mod prose;
 mod readme;
 mod scan_truths;
+mod unbelievable;

@@ -1,21 +1,21 @@
 //! Converts any source to a measured file for other programs, and measures the error of the conversion.
 
 use crate::error::Error;
+use brdfc_codec::AveragingCost;
 use brdfc_core::Source;
 use brdfc_core::pair_list::PairList;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
-use brdfc_metrics::compare::{Comparison, compare};
+use brdfc_metrics::compare::{Comparison, Reference, compare};
 use brdfc_metrics::sampling::PairSet;
 use brdfc_metrics::values::values_of_list;
 use brdfc_readers::colour::rgb_weights;
-use brdfc_readers::merl::{self, Dimensions, Merl, MerlError};
+use brdfc_readers::merl::{self, Dimensions, Merl, MerlError, pair_of_angles};
 use brdfc_readers::rgl::Rgl;
 use brdfc_readers::scan::Row;
 use brdfc_readers::scan_csv;
 use brdfc_source::rgl::resample::RglGrid;
 use brdfc_source::scan::ScanSource;
-use brdfc_source::simulate::pair_of_angles;
 use brdfc_source::{MerlSource, RglSource};
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
@@ -62,7 +62,14 @@ pub struct Converted {
     pub values: usize,
     /// Comparison of the file, as this program reads it, with the source.
     pub comparison: Comparison,
+    /// Cause of a visible error; `None` below a mean ΔE of 1.
+    pub loss: Option<String>,
 }
+
+/// Mean ΔE above which a conversion reports its cause.
+const VISIBLE: f64 = 1.0;
+/// Share of an error above which one property of the file is its cause.
+const MAIN_SHARE: f64 = 0.5;
 
 /// Reason why a source cannot be converted to the target.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -107,14 +114,17 @@ pub fn convert(source: &dyn Source, target: Target) -> Result<Converted, Convert
             }
             let (bytes, values) = merl_table(source, dimensions);
             let table = Merl::from_bytes(&bytes)?;
-            let comparison = compare(source, &MerlSource::new(table), &set).0;
-            Ok(Converted { bytes, values, comparison })
+            let reference = Reference::new(source, set);
+            let comparison = reference.compare(&MerlSource::new(table));
+            let loss = loss(&comparison, || merl_cause(source, dimensions, &comparison, &reference));
+            Ok(Converted { bytes, values, comparison, loss })
         }
         Target::Rgl => {
             let (bytes, values) = rgl(source)?;
             let found = RglSource::new(Rgl::from_bytes(&bytes)?, rgb_weights)?;
             let comparison = compare(source, &found, &set).0;
-            Ok(Converted { bytes, values, comparison })
+            let loss = loss(&comparison, || "the grid of directions of the .bsdf file is too coarse for it".to_owned());
+            Ok(Converted { bytes, values, comparison, loss })
         }
         Target::Csv(grid) => {
             let rows = rows(source, grid);
@@ -122,12 +132,53 @@ pub fn convert(source: &dyn Source, target: Target) -> Result<Converted, Convert
             scan_csv::write(&mut bytes, &rows).expect("memory can be written to");
             let scan = ScanSource::new(&scan_csv::from_bytes(&bytes)?)?;
             let comparison = compare(source, &scan, &set).0;
-            Ok(Converted { bytes, values: rows.len(), comparison })
+            let loss = loss(&comparison, || {
+                let PairGrid { incoming, outgoing, azimuths } = grid;
+                format!(
+                    "the list of {incoming}x{outgoing}x{azimuths} directions is too coarse for it; --grid sets another"
+                )
+            });
+            Ok(Converted { bytes, values: rows.len(), comparison, loss })
         }
     }
 }
 
-/// Bytes of a MERL table, and the number of cells with a value.
+/// Sentence about a visible error of a conversion.
+fn loss(comparison: &Comparison, cause: impl FnOnce() -> String) -> Option<String> {
+    let found = &comparison.rendering.delta_e;
+    let is_visible = found.mean > VISIBLE;
+    is_visible.then(|| {
+        let cause = cause();
+        format!(
+            "the file differs from its source by a mean ΔE of {:.2}, 95 % below {:.2}: {cause}",
+            found.mean, found.p95
+        )
+    })
+}
+
+/// The property of a MERL table with the largest part in its error.
+fn merl_cause(source: &dyn Source, size: Dimensions, comparison: &Comparison, reference: &Reference) -> String {
+    let of_all = comparison.rendering.delta_e.mean;
+    if !source.symmetry().reciprocal && !size.is_full_turn() {
+        let alone = AveragingCost::of(source, reference).delta_e;
+        if alone > MAIN_SHARE * of_all {
+            return format!(
+                "a MERL table has one value for both orders of light and viewer, the mean of the source's two values, which \
+                 alone costs a ΔE of {alone:.2}; .csv and .bsdf files keep both"
+            );
+        }
+    }
+    let Dimensions { theta_half, theta_difference, phi_difference } = size;
+    let coarse = format!("{theta_half}x{theta_difference}x{phi_difference} cells are too few for it");
+    if source.symmetry().isotropic {
+        format!("{coarse}, or it is noisy; --dimensions sets others")
+    } else {
+        format!("a MERL table has no azimuth of incidence, or {coarse}")
+    }
+}
+
+/// Bytes of a MERL table, and the number of cells with a value. Where the table has a single value for both orders of light and
+/// viewer, and the source two, it is their mean.
 fn merl_table(source: &dyn Source, dimensions: Dimensions) -> (Vec<u8>, usize) {
     let write = |value: &dyn Fn([f64; 3]) -> Option<[f64; 3]>| {
         let mut bytes = Vec::new();
@@ -141,7 +192,14 @@ fn merl_table(source: &dyn Source, dimensions: Dimensions) -> (Vec<u8>, usize) {
         asked.borrow_mut().extend(above(angles));
         None
     });
-    let values = means_over_azimuths(source, &asked.into_inner());
+    let pairs = asked.into_inner();
+    let mut values = means_over_azimuths(source, &pairs);
+    if !source.symmetry().reciprocal && !dimensions.is_full_turn() {
+        let exchanged: Vec<DirectionPair> = pairs.iter().map(|pair| pair.exchanged()).collect();
+        for (value, other) in values.iter_mut().zip(means_over_azimuths(source, &exchanged)) {
+            *value = std::array::from_fn(|channel| 0.5 * (value[channel].max(0.0) + other[channel].max(0.0)));
+        }
+    }
     let next = Cell::new(0);
     let bytes = write(&|angles| {
         above(angles)?;

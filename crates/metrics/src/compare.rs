@@ -188,7 +188,7 @@ fn albedo(at: &AlbedoPairs, values: &[[f64; 3]]) -> [f64; 3] {
 }
 
 /// Mean over values and channels; negative ones count as 0.
-fn mean_value(values: &[[f64; 3]]) -> f64 {
+pub fn mean_value(values: &[[f64; 3]]) -> f64 {
     let sums = values.chunks(CHUNK).map(|chunk| chunk.iter().flatten().map(|f| f.max(0.0)).sum::<f64>());
     if values.is_empty() { 0.0 } else { sums.sum::<f64>() / (3 * values.len()) as f64 }
 }

@@ -3,20 +3,22 @@
 
 use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
+use super::sampling::PairSet;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, Repeats, Rise};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::direction::DirectionPair;
 use rayon::prelude::*;
 
 /// Number of folds in memory at the same time, each nearly as large as the source; within a fold, threads share the
 /// pixels.
 const FOLDS_AT_ONCE: usize = 2;
 
-/// A pixel counts as uncovered if its light or viewer is at least this angle from the light or viewer of the nearest
-/// sample, degrees.
+/// A direction pair counts as uncovered if its light or viewer is at least this angle from the light or viewer of the
+/// nearest sample, degrees.
 pub const COVERED: f64 = 10.0;
-/// The fit counts as mostly a guess above this share of uncovered pixels.
+/// The fit counts as mostly a guess above this share of uncovered pairs.
 pub const MAX_UNCOVERED: f64 = 0.1;
 /// Repeats disagree above this spread: the larger of two values is twice the smaller.
 pub const MAX_SPREAD: f64 = 0.5;
@@ -27,6 +29,8 @@ const MANY_REPEATS: f64 = 0.1;
 const GAPS: f64 = 1.0 / 6.0;
 /// An incidence contradicts the others if a fit without it differs by more than this multiple of the median.
 const CONTRADICTION: f64 = 6.0;
+/// Every pair of the test directions whose number is a multiple of this is looked up for gaps.
+const COARSE: usize = 8;
 /// Minimum number of incidences for a decision that one contradicts the others.
 const MIN_INCIDENCES: usize = 5;
 /// The fit is the larger error above this share of a pack's own ΔE: the sum of both, as of independent errors, is a
@@ -44,15 +48,43 @@ pub struct FitError {
     /// Estimate of the mean ΔE between renderings of the source and of the sampled material; absent without
     /// cross-validation.
     pub delta_e: Option<f64>,
-    /// Largest angle between the light or viewer of a pixel of the ball and the light or viewer of the nearest sample,
-    /// degrees.
-    pub farthest: f64,
-    /// Share of the ball's pixels at which this angle is larger than 10 degrees.
-    pub uncovered: f64,
+    /// Gaps between the samples at the pixels of the ball, whose mean is ΔE.
+    #[serde(flatten)]
+    pub ball: Gaps,
+    /// Gaps between the samples at the independent test directions, whose mean is `ε_r`.
+    pub test_directions: Gaps,
     /// Repeated direction pairs; absent without any.
     pub repeats: Option<Repeats>,
     /// Rise of the samples towards the mirror direction; absent if too few are near it.
     pub rise: Option<Rise>,
+}
+
+/// Distances of direction pairs from the nearest sample.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Gaps {
+    /// Largest angle between the light or viewer of a pair and the light or viewer of the nearest sample, degrees.
+    pub farthest: f64,
+    /// Share of the pairs at which this angle is larger than 10 degrees.
+    pub uncovered: f64,
+}
+
+impl Gaps {
+    fn of(completion: &dyn Completion, pairs: &[DirectionPair]) -> Self {
+        let distances: Vec<f64> = pairs.par_iter().map(|pair| completion.distance(*pair).to_degrees()).collect();
+        let uncovered = distances.iter().filter(|degrees| **degrees > COVERED).count();
+        Self {
+            farthest: distances.iter().copied().fold(0.0, f64::max),
+            uncovered: uncovered as f64 / distances.len().max(1) as f64,
+        }
+    }
+
+    /// Description of gaps that make an error over these pairs an extrapolation.
+    fn problem(&self, pairs: &str) -> Option<String> {
+        let (share, farthest) = (100.0 * self.uncovered, self.farthest);
+        (self.uncovered > MAX_UNCOVERED).then(|| {
+            format!("{share:.0} % of the {pairs} are more than {COVERED}° from any sample, up to {farthest:.0}°")
+        })
+    }
 }
 
 impl FitError {
@@ -109,14 +141,13 @@ impl FitError {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         };
-        let distances: Vec<f64> = pairs.par_iter().map(|pair| completion.distance(*pair).to_degrees()).collect();
-        let uncovered = distances.iter().filter(|degrees| **degrees > COVERED).count();
+        let tested: Vec<DirectionPair> = PairSet::within(directions).pairs.iter().copied().step_by(COARSE).collect();
         Ok(Self {
             samples: samples.map(|(error, _)| error),
             incidences: incidences.map(|(error, _)| error),
             delta_e,
-            farthest: distances.iter().copied().fold(0.0, f64::max),
-            uncovered: uncovered as f64 / distances.len().max(1) as f64,
+            ball: Gaps::of(completion, &pairs),
+            test_directions: Gaps::of(completion, &tested),
             repeats: completion.repeats(),
             rise: completion.rise(),
         })
@@ -127,13 +158,21 @@ impl FitError {
         [self.samples, self.incidences].into_iter().flatten().reduce(f64::max)
     }
 
-    /// Reason why the samples do not determine the material, for any pack; `None` if they do.
+    /// The larger gaps of both sets of directions: larger share, then larger angle.
+    pub fn largest_gaps(&self) -> Gaps {
+        let key = |gaps: &Gaps| (gaps.uncovered, gaps.farthest);
+        if key(&self.ball) > key(&self.test_directions) { self.ball } else { self.test_directions }
+    }
+
+    /// Reason why `ε_r` of the fit, and `ε_r` of a pack against the material, are extrapolated; `None` if they are not.
+    pub fn extrapolation(&self) -> Option<String> {
+        self.test_directions.problem("test directions, over which ε_r is a mean,")
+    }
+
+    /// Reason why the samples do not determine the renderings, for any pack; `None` if they do.
     pub fn gaps(&self) -> Option<String> {
-        if self.uncovered > MAX_UNCOVERED {
-            let (share, farthest) = (100.0 * self.uncovered, self.farthest);
-            return Some(format!(
-                "{share:.0} % of the ball's pixels are more than {COVERED}° from any sample, up to {farthest:.0}°"
-            ));
+        if let Some(problem) = self.ball.problem("ball's pixels") {
+            return Some(problem);
         }
         if let Some(repeats) =
             self.repeats.filter(|repeats| repeats.share > MANY_REPEATS && repeats.spread > MAX_SPREAD)
@@ -157,7 +196,7 @@ impl FitError {
         let weaker = |fit: &f64| *fit > WEAKER * pack;
         let of_fit =
             || self.delta_e.filter(weaker).map(|fit| format!("about ΔE {fit:.2} of the fit, {pack:.2} of the pack"));
-        self.gaps().or_else(of_fit)
+        self.gaps().or_else(of_fit).or_else(|| self.extrapolation())
     }
 }
 

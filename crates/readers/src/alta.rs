@@ -7,12 +7,12 @@ use crate::text;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::words::one_of;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Tables of ALTA: text with a line `#PARAM_IN` or `#DIM`.
 pub static KIND: FileKind = FileKind {
     description: "a table of ALTA (.dat)",
-    extensions: &["dat"],
+    extensions: &["dat", "alta"],
     begins: Begins::Text(|text| text.lines().any(|line| begins_with(line, &["#PARAM_IN", "#DIM "]))),
 };
 
@@ -39,6 +39,8 @@ pub struct AltaTable {
 struct Directions {
     name: &'static str,
     numbers: usize,
+    /// Number of cosines before the other numbers.
+    cosines: usize,
     /// Light and view.
     vectors: fn(&[f64]) -> [Vector; 2],
 }
@@ -63,15 +65,69 @@ struct Values {
     channels: &'static [usize],
 }
 
-const DIRECTIONS: [Directions; 8] = [
-    Directions { name: "ISOTROPIC_TL_TV_PROJ_DPHI", numbers: 3, vectors: |n| [meridian(n[0]), projected(n[1], n[2])] },
-    Directions { name: "ISOTROPIC_TV_PROJ_DPHI", numbers: 2, vectors: |n| [meridian(0.0), projected(n[0], n[1])] },
-    Directions { name: "ISOTROPIC_TV_TL_DPHI", numbers: 3, vectors: |n| [polar(n[1], n[2]), meridian(n[0])] },
-    Directions { name: "SCHLICK_TL_TK_PROJ_DPHI", numbers: 3, vectors: |n| back_vector(n[0], projected(n[1], n[2])) },
-    Directions { name: "RUSIN_TH_TD_PD", numbers: 3, vectors: |n| half_and_difference([n[0], 0.0], [n[1], n[2]]) },
-    Directions { name: "RUSIN_TH_PH_TD_PD", numbers: 4, vectors: |n| half_and_difference([n[0], n[1]], [n[2], n[3]]) },
-    Directions { name: "SPHERICAL_TL_PL_TV_PV", numbers: 4, vectors: |n| [polar(n[0], n[1]), polar(n[2], n[3])] },
-    Directions { name: "CARTESIAN", numbers: 6, vectors: |n| [[n[3], n[4], n[5]], [n[0], n[1], n[2]]] },
+const DIRECTIONS: [Directions; 12] = [
+    Directions {
+        name: "ISOTROPIC_TL_TV_PROJ_DPHI",
+        numbers: 3,
+        cosines: 0,
+        vectors: |n| [meridian(n[0]), projected(n[1], n[2])],
+    },
+    Directions {
+        name: "ISOTROPIC_TV_PROJ_DPHI",
+        numbers: 2,
+        cosines: 0,
+        vectors: |n| [meridian(0.0), projected(n[0], n[1])],
+    },
+    Directions {
+        name: "ISOTROPIC_TV_TL_DPHI",
+        numbers: 3,
+        cosines: 0,
+        vectors: |n| [polar(n[1], n[2]), meridian(n[0])],
+    },
+    Directions {
+        name: "SCHLICK_TL_TK_PROJ_DPHI",
+        numbers: 3,
+        cosines: 0,
+        vectors: |n| back_vector(n[0], projected(n[1], n[2])),
+    },
+    Directions {
+        name: "RUSIN_TH_TD_PD",
+        numbers: 3,
+        cosines: 0,
+        vectors: |n| half_and_difference([n[0], 0.0], [n[1], n[2]]),
+    },
+    Directions {
+        name: "RUSIN_TH_PH_TD_PD",
+        numbers: 4,
+        cosines: 0,
+        vectors: |n| half_and_difference([n[0], n[1]], [n[2], n[3]]),
+    },
+    Directions { name: "RETRO_TL_TVL_PROJ_DPHI", numbers: 3, cosines: 0, vectors: |n| around_light(n[0], n[1], n[2]) },
+    Directions {
+        name: "RUSIN_TH_TD",
+        numbers: 2,
+        cosines: 0,
+        vectors: |n| half_and_difference([n[0], 0.0], [n[1], FRAC_PI_2]),
+    },
+    Directions {
+        name: "COS_TH_TD",
+        numbers: 2,
+        cosines: 2,
+        vectors: |n| half_and_difference([n[0].acos(), 0.0], [n[1].acos(), 0.0]),
+    },
+    Directions {
+        name: "COS_TH",
+        numbers: 1,
+        cosines: 1,
+        vectors: |n| half_and_difference([n[0].acos(), 0.0], [0.0, 0.0]),
+    },
+    Directions {
+        name: "SPHERICAL_TL_PL_TV_PV",
+        numbers: 4,
+        cosines: 0,
+        vectors: |n| [polar(n[0], n[1]), polar(n[2], n[3])],
+    },
+    Directions { name: "CARTESIAN", numbers: 6, cosines: 0, vectors: |n| [[n[3], n[4], n[5]], [n[0], n[1], n[2]]] },
 ];
 
 const VALUES: [Values; 3] = [
@@ -87,9 +143,10 @@ impl AltaTable {
     /// Returns an error for text that is not UTF-8, a header that lacks `DIM`, `PARAM_IN` or `PARAM_OUT` or has unknown
     /// values, rows of another length, numbers that do not parse, values out of range, and no rows above the horizon.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let text = text::checked(bytes)?;
-        let header = Header::read(text)?;
-        let width = header.directions.numbers + header.channels;
+        refuse_binary(bytes)?;
+        let text = text::checked_but_comments(bytes)?;
+        let header = Header::read(&text)?;
+        let width = header.directions.numbers + header.channels + header.bounds;
         let (mut scan, mut left_out) = (Scan::default(), 0);
         for (line, content) in (1u64..).zip(text.lines()).filter(|(_, content)| !content.trim_start().starts_with('#'))
         {
@@ -100,11 +157,15 @@ impl AltaTable {
             let numbers =
                 tokens.into_iter().map(|token| number(token, line, "value")).collect::<Result<Vec<_>, _>>()?;
             if numbers.len() != width {
-                let allowed = format!("{width}, as in #DIM");
+                let allowed = format!("{width}, as in #DIM{}", if header.bounds > 0 { " and #VS" } else { "" });
                 return Err(FormatError::at_line(line, "row", format!("{} numbers", numbers.len()), allowed));
             }
             let (directions, values) = numbers.split_at(header.directions.numbers);
             let beyond = |angle: &&f64| angle.abs() > TAU + ROUNDING;
+            let (cosines, _) = directions.split_at(header.directions.cosines);
+            if let Some(cosine) = cosines.iter().find(|cosine| !(-1.0..=1.0).contains(*cosine)) {
+                return Err(FormatError::at_line(line, "cosine", cosine.to_string(), "-1 to 1"));
+            }
             if let Some(angle) = directions.iter().find(beyond).filter(|_| header.directions.has_angles()) {
                 return Err(FormatError::at_line(line, "angle", angle.to_string(), AZIMUTHS));
             }
@@ -145,6 +206,8 @@ struct Header {
     directions: &'static Directions,
     values: &'static Values,
     channels: usize,
+    /// Columns of a row after its values that bound the values: their confidence intervals.
+    bounds: usize,
 }
 
 impl Header {
@@ -185,15 +248,53 @@ impl Header {
                 return Err(FormatError::at_line(line, "#DIM", quoted(&words.join(" ")), allowed));
             }
         };
-        if let Some((line, words)) = entry("VS").filter(|(_, words)| words.iter().any(|word| *word != "0")) {
-            let allowed = "0, for no columns of confidence intervals";
-            return Err(FormatError::at_line(line, "#VS", quoted(&words.join(" ")), allowed));
+        // A single number is that of the first value, one per value otherwise.
+        let bounds = entry("VS").map_or(Ok(0), |(line, words)| {
+            let counts: Option<Vec<usize>> = words.iter().map(|word| word.parse().ok().filter(|n| *n <= 2)).collect();
+            counts.filter(|counts| [1, channels].contains(&counts.len())).map(|counts| counts.iter().sum()).ok_or_else(
+                || {
+                    let allowed =
+                        "0, 1 or 2: the number of columns of a confidence interval, for the first value or for each";
+                    FormatError::at_line(line, "#VS", quoted(&words.join(" ")), allowed)
+                },
+            )
+        })?;
+        if let Some((line, words)) = entry("FORMAT").filter(|(_, words)| !is_text(&words.join(" "))) {
+            return Err(wrong_format(line, &words.join(" ")));
         }
-        if let Some((line, words)) = entry("FORMAT").filter(|(_, words)| words[..] != ["TEXT"]) {
-            return Err(FormatError::at_line(line, "#FORMAT", quoted(&words.join(" ")), "TEXT"));
-        }
-        Ok(Self { directions, values, channels })
+        Ok(Self { directions, values, channels, bounds })
     }
+}
+
+/// Rejects the binary form of tables by its header, before their numbers are taken as text.
+fn refuse_binary(bytes: &[u8]) -> Result<(), FormatError> {
+    let header = bytes.split(|byte| *byte == b'\n').take_while(|line| line.first().is_none_or(|byte| *byte == b'#'));
+    for (line, content) in (1u64..).zip(header) {
+        let content = String::from_utf8_lossy(content);
+        if let Some(format) = content.strip_prefix("#FORMAT ").filter(|format| !is_text(format)) {
+            return Err(wrong_format(line, format.trim()));
+        }
+    }
+    Ok(())
+}
+
+fn is_text(format: &str) -> bool {
+    format.trim().eq_ignore_ascii_case("TEXT")
+}
+
+fn wrong_format(line: u64, found: &str) -> FormatError {
+    let allowed = "TEXT: binary tables are not supported; ALTA's data2data converts them to text";
+    FormatError::at_line(line, "#FORMAT", quoted(found), allowed)
+}
+
+/// Light at polar angle `theta`, and the view at an angle from it that is the length of `(x, y)`; the azimuth of `(x, y)` about
+/// the light is 0 towards the normal.
+fn around_light(theta: f64, x: f64, y: f64) -> [Vector; 2] {
+    let light = meridian(theta);
+    // Towards the normal, along the sphere.
+    let up = [-theta.cos(), 0.0, theta.sin()];
+    let [sx, sy, cos] = projected(x, y);
+    [light, [cos * light[0] + sx * up[0], sy, cos * light[2] + sx * up[2]]]
 }
 
 /// Direction with polar angle `theta` and azimuth `phi`.
@@ -282,11 +383,16 @@ mod tests {
         let [theta_d, phi_d] = angles(difference);
         let back = unit([view[0] - light[0], view[1] - light[1], view[2] + light[2]]).unwrap();
         let [theta_k, phi_k] = angles(back);
+        // The view about the light: its angle, and its azimuth from the arc to the normal, by the law of cosines.
+        let theta_vl = brdfc_formats::direction::dot(light, view).acos();
+        let cos_vl = (view[2] - light[2] * theta_vl.cos()) / (0.5f64.sin() * theta_vl.sin());
+        let phi_vl = cos_vl.acos();
         let on_plane = |theta: f64, phi: f64| format!("{} {}", theta * phi.cos(), theta * phi.sin());
         for (name, numbers) in [
             ("ISOTROPIC_TL_TV_PROJ_DPHI", format!("0.5 {}", on_plane(0.8, 1.1))),
             ("SCHLICK_TL_TK_PROJ_DPHI", format!("0.5 {}", on_plane(theta_k, phi_k))),
             ("RUSIN_TH_PH_TD_PD", format!("{theta_h} {phi_h} {theta_d} {phi_d}")),
+            ("RETRO_TL_TVL_PROJ_DPHI", format!("0.5 {}", on_plane(theta_vl, phi_vl))),
             ("SPHERICAL_TL_PL_TV_PV", "0.5 0 0.8 1.1".to_owned()),
             ("CARTESIAN", format!("{} {} {} {} {} {}", view[0], view[1], view[2], 2.0 * light[0], 0.0, 2.0 * light[2])),
         ] {
@@ -311,6 +417,48 @@ mod tests {
         }
         let row = table("ISOTROPIC_TV_PROJ_DPHI", "INV_STERADIAN", "2 1", "0 0.3 1").unwrap().scan.rows[0];
         assert!(row.theta_i == 0.0 && (row.theta_o - 0.3).abs() < 1e-12, "{row:?}");
+    }
+
+    #[test]
+    fn cosines_and_confidence_intervals_are_read() {
+        let (theta_h, theta_d) = (0.4f64, 0.3f64);
+        let row = |name: &str, text: String| {
+            let count = text.split(' ').count();
+            let table = table(name, "INV_STERADIAN", &format!("{count} 1"), &format!("{text} 7")).unwrap();
+            (pair(table.scan.rows[0]), table.scan.rows[0].value)
+        };
+        let angles_of = |pair: DirectionPair| {
+            let half = half_vector(pair);
+            [angles(half)[0], brdfc_formats::direction::dot(pair.outgoing, half).acos()]
+        };
+        for (name, text, expected) in [
+            ("COS_TH", format!("{}", theta_h.cos()), [theta_h, 0.0]),
+            ("COS_TH_TD", format!("{} {}", theta_h.cos(), theta_d.cos()), [theta_h, theta_d]),
+            ("RUSIN_TH_TD", format!("{theta_h} {theta_d}"), [theta_h, theta_d]),
+        ] {
+            let (pair, value) = row(name, text);
+            let found = angles_of(pair);
+            assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-7) && value == [7.0; 3], "{name}: {found:?}");
+        }
+        let values = |vs: &str, dimensions: &str, row: &str| {
+            let rows = format!("#VS {vs}\n{row}");
+            table("ISOTROPIC_TL_TV_PROJ_DPHI", "INV_STERADIAN", dimensions, &rows).unwrap().scan.rows[0].value
+        };
+        assert_eq!(values("1", "3 1", "0.1 0.2 0 3 0.5"), [3.0; 3]);
+        assert_eq!(values("2", "3 1", "0.1 0.2 0 3 2.5 3.5"), [3.0; 3]);
+        assert_eq!(values("2 1 0", "3 3", "0.1 0.2 0 3 4 5 2.5 3.5 0.1"), [3.0, 4.0, 5.0]);
+        assert_eq!(values("1", "3 3", "0.1 0.2 0 3 4 5 0.1"), [3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn binary_tables_are_named() {
+        let header = "#DIM 3 1\n#PARAM_IN CARTESIAN\n#PARAM_OUT INV_STERADIAN\n#FORMAT binary\n#BEGIN_STREAM\n";
+        let bytes = [header.as_bytes(), &0.5f64.to_le_bytes()].concat();
+        let message = AltaTable::from_bytes(&bytes).unwrap_err().to_string();
+        assert!(message.starts_with("line 4, #FORMAT: found \"binary\", expected TEXT: binary tables"), "{message}");
+        let latin =
+            b"#DIM 3 1\n# Caf\xe9\n#PARAM_IN RUSIN_TH_TD_PD\n#PARAM_OUT INV_STERADIAN\n#FORMAT text\n0.1 0.2 0 3\n";
+        assert_eq!(AltaTable::from_bytes(latin).unwrap().scan.rows.len(), 1);
     }
 
     #[test]
@@ -369,7 +517,16 @@ mod tests {
                 message("CARTESIAN", "INV_STERADIAN", "6 1", "0 0 0 0 0 1 1"),
                 "line 4, direction: found a vector of length 0",
             ),
-            (message(good, "INV_STERADIAN", "3 1", "#VS 2\n0 0 0 1"), "line 4, #VS: found \"2\", expected 0"),
+            (message(good, "INV_STERADIAN", "3 1", "#VS 3\n0 0 0 1"), "line 4, #VS: found \"3\", expected 0, 1 or 2"),
+            (
+                message(good, "INV_STERADIAN", "3 3", "#VS 1 1\n0 0 0 1"),
+                "line 4, #VS: found \"1 1\", expected 0, 1 or 2",
+            ),
+            (
+                message(good, "INV_STERADIAN", "3 1", "#VS 2\n0 0 0 1"),
+                "line 5, row: found 4 numbers, expected 6, as in #DIM and #VS",
+            ),
+            (message("COS_TH", "INV_STERADIAN", "1 1", "1.5 1"), "line 4, cosine: found 1.5, expected -1 to 1"),
             (
                 message(good, "INV_STERADIAN", "3 1", "#FORMAT BINARY"),
                 "line 4, #FORMAT: found \"BINARY\", expected TEXT",

@@ -1,6 +1,7 @@
 //! MERL `.binary`: a dense isotropic table over half and difference angles. Layout: `crates/readers/src/merl.md`.
 
 use crate::file_kind::{Begins, FileKind};
+use brdfc_formats::direction::{DirectionPair, from_polar, rotate_from_normal};
 use brdfc_formats::{FormatError, memory};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -82,6 +83,31 @@ impl Dimensions {
         ]
     }
 
+    /// The direction pair of the sample with these indices.
+    pub fn pair(self, i: usize, j: usize, k: usize) -> DirectionPair {
+        pair_of_angles(self.sample_angles(i, j, k))
+    }
+
+    /// Returns, for each cell, whether both directions of its sample are above the horizon.
+    fn above_horizon(self) -> impl Fn(usize) -> bool {
+        /// Heights of directions are within rounding of 0 below this.
+        const ROUNDING: f64 = 1e-12;
+        let table = |count: usize, angle: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+            (0..count).map(|at| angle(at).sin_cos()).collect()
+        };
+        let half = table(self.theta_half, &|i| self.sample_angles(i, 0, 0)[0]);
+        let difference = table(self.theta_difference, &|j| self.sample_angles(0, j, 0)[1]);
+        let azimuth = table(self.phi_difference, &|k| self.sample_angles(0, 0, k)[2]);
+        move |cell| {
+            let (ring, k) = (cell / self.phi_difference, cell % self.phi_difference);
+            let (i, j) = (ring / self.theta_difference, ring % self.theta_difference);
+            let ((sin_h, cos_h), (sin_d, cos_d)) = (half[i], difference[j]);
+            // The lower one of both directions.
+            let height = cos_h * cos_d - (sin_h * sin_d * azimuth[k].1).abs();
+            if height.abs() > ROUNDING { height > 0.0 } else { self.pair(i, j, k).is_above_horizon() }
+        }
+    }
+
     /// Reads the header at the beginning of `start`, for a file of `length` bytes.
     ///
     /// # Errors
@@ -118,13 +144,22 @@ impl Dimensions {
     }
 }
 
+/// A pair with these half and difference angles, radians; the half vector is at the tangent's azimuth.
+pub fn pair_of_angles([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
+    let half = from_polar(theta_h, 0.0);
+    DirectionPair::new(
+        rotate_from_normal(half, from_polar(theta_d, phi_d)),
+        rotate_from_normal(half, from_polar(theta_d, phi_d + PI)),
+    )
+}
+
 /// A MERL table in memory.
 #[derive(Debug, Clone)]
 pub struct Merl {
     /// Number of samples along `θ_h`, `θ_d` and `φ_d`.
     pub dimensions: Dimensions,
-    /// `f_r` in 1/sr, `[theta_h][theta_d][phi_d]`, phi_d fastest. NaN in all channels if the cell is invalid (a
-    /// negative number in any channel of the file: below the horizon, or not measured).
+    /// `f_r` in 1/sr, `[theta_h][theta_d][phi_d]`, phi_d fastest. NaN in all channels if the cell is invalid: not
+    /// measured (a negative number in any channel of the file), or with a direction below the horizon, where some programs write 0.
     pub values: Vec<[f32; 3]>,
     /// Number of cells with a measurement, at least 1.
     pub valid_cells: usize,
@@ -149,6 +184,7 @@ impl Merl {
         let mut values: Vec<[f32; 3]> = memory::reserved("table", cells)?;
         let mut buffer = vec![0u8; 8 * BLOCK.min(cells)];
         let mut valid_cells = 0;
+        let is_above = dimensions.above_horizon();
         for block in 0..cells.div_ceil(BLOCK) {
             values.resize(cells.min((block + 1) * BLOCK), [0.0; 3]);
             let block_values = &mut values[block * BLOCK..];
@@ -167,8 +203,8 @@ impl Merl {
                     return Err(bad_number(bytes, offset).into());
                 }
             }
-            for value in block_values {
-                if value.iter().any(|v| v.is_nan()) {
+            for (cell, value) in block_values.iter_mut().enumerate() {
+                if value.iter().any(|v| v.is_nan()) || !is_above(block * BLOCK + cell) {
                     *value = [f32::NAN; 3];
                 } else {
                     valid_cells += 1;
@@ -178,8 +214,8 @@ impl Merl {
         if valid_cells == 0 {
             return Err(FormatError::whole(
                 "table",
-                "no valid measurement, because every cell has a negative number",
-                "at least one cell without negative numbers",
+                "no valid measurement, because every cell above the horizon has a negative number",
+                "at least one cell above the horizon without negative numbers",
             )
             .problem()
             .into());
@@ -309,7 +345,10 @@ mod tests {
         let bytes = file(SMALL, |[h, d, p]| (d < 1.0).then_some([h, 10.0 + d, p]));
         let merl = Merl::from_bytes(&bytes).unwrap();
         assert_eq!(merl.dimensions, SMALL);
-        assert_eq!(merl.valid_cells, 3 * 3 * 5);
+        let above = |d: f64, [i, j, k]: [usize; 3]| d < 1.0 && SMALL.pair(i, j, k).is_above_horizon();
+        let cells = (0..3 * 4 * 5).map(|cell| [cell / 20, cell / 5 % 4, cell % 5]);
+        let valid = cells.filter(|at| above(SMALL.sample_angles(0, at[1], 0)[1], *at)).count();
+        assert_eq!(merl.valid_cells, valid);
         let [h, d, p] = SMALL.sample_angles(2, 1, 3);
         let value = merl.values[(2 * 4 + 1) * 5 + 3];
         for (read, written) in value.into_iter().zip([h, 10.0 + d, p]) {
@@ -322,6 +361,25 @@ mod tests {
     fn any_negative_channel_makes_a_cell_invalid() {
         let bytes = file(SMALL, |[h, ..]| Some([1.0, if h > 0.0 { -0.5 } else { 1.0 }, 1.0]));
         assert_eq!(Merl::from_bytes(&bytes).unwrap().valid_cells, 4 * 5);
+    }
+
+    /// Cells below the horizon do not count, whether they hold 0, 1 or -1.
+    #[test]
+    fn cells_below_the_horizon_are_never_valid() {
+        let n = Dimensions { theta_half: 9, theta_difference: 9, phi_difference: 18 };
+        let is_above = n.above_horizon();
+        let by_pair = (0..n.cells()).filter(|cell| n.pair(cell / 162, cell / 18 % 9, cell % 18).is_above_horizon());
+        assert!(by_pair.clone().all(&is_above));
+        let above = by_pair.count();
+        assert!(above < n.cells() * 9 / 10, "{above}");
+        for below in [Some([0.0; 3]), Some([1.0; 3]), None] {
+            let value = |angles| if pair_of_angles(angles).is_above_horizon() { Some([0.5; 3]) } else { below };
+            let merl = Merl::from_bytes(&file(n, value)).unwrap();
+            assert_eq!(merl.valid_cells, above);
+            assert!((0..n.cells()).all(|cell| merl.values[cell][0].is_nan() != is_above(cell)), "{below:?}");
+        }
+        // A measured 0 above the horizon counts.
+        assert_eq!(Merl::from_bytes(&file(n, |_| Some([0.0; 3]))).unwrap().valid_cells, above);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Recognition of files by their first bytes, independent of their names.
 
-use crate::file_kind::{Begins, FileKind, begins_with};
+use crate::file_kind::{Begins, FileKind, begins_with, first_line};
 use crate::meso::{obj, ply};
 use crate::{alta, merl, ptm, rgl, rti, rti_capture, scan, scan_csv, ubo_btf};
 
@@ -8,7 +8,7 @@ use crate::{alta, merl, ptm, rgl, rti, rti_capture, scan, scan_csv, ubo_btf};
 pub const START_BYTES: usize = 4096;
 
 /// All recognised kinds of files. The first match counts.
-static KINDS: [&FileKind; 26] = [
+static KINDS: [&FileKind; 30] = [
     &merl::KIND,
     &rgl::KIND,
     &ubo_btf::KIND,
@@ -28,6 +28,10 @@ static KINDS: [&FileKind; 26] = [
     &LFS_POINTER,
     &JSON,
     &HTML,
+    &SPEOS,
+    &WINDOW,
+    &FRED,
+    &ZEMAX,
     &alta::KIND,
     &MANIFEST,
     &scan_csv::KIND,
@@ -105,6 +109,33 @@ static HTML: FileKind = FileKind {
     description: "a web page, perhaps an error message of a server",
     extensions: &[],
     begins: Begins::Text(is_page),
+};
+/// Scatter files of Ansys Speos (formerly OPTIS), text or binary.
+static SPEOS: FileKind = FileKind {
+    description: "a BSDF file of Ansys Speos; brdfc does not read these yet",
+    extensions: &[],
+    begins: Begins::With(&[b"OPTIS - "]),
+};
+/// BSDF files of Radiance and LBNL Window.
+static WINDOW: FileKind = FileKind {
+    description: "a BSDF file of Radiance or Window (XML); brdfc does not read these yet",
+    extensions: &[],
+    begins: Begins::Text(|text| text.contains("<WindowElement")),
+};
+/// Scatter files of FRED.
+static FRED: FileKind = FileKind {
+    description: "a scatter file of FRED; brdfc does not read these yet",
+    extensions: &[],
+    begins: Begins::Text(|text| begins_with(first_line(text), &["type bsdf_data"])),
+};
+/// BSDF files of Zemax OpticStudio.
+static ZEMAX: FileKind = FileKind {
+    description: "a Zemax BSDF file; brdfc does not read these yet",
+    extensions: &[],
+    begins: Begins::Text(|text| {
+        let has = |words: &[&str]| text.lines().any(|line| begins_with(line, words));
+        has(&["Source"]) && has(&["Symmetry"]) && has(&["SpectralContent", "ScatterType"])
+    }),
 };
 /// A scene manifest.
 static MANIFEST: FileKind = FileKind {
@@ -184,6 +215,11 @@ mod tests {
             (b"2\nphoto.jpg 0,1 0,5 1\n", &rti_capture::KIND),
             (b"2\n1 0 0.5 1\n", &scan::KIND),
             (b"2\n0,1 0,2 0,5 1\n", &scan::KIND),
+            (b"OPTIS - brdf surface file v8.0\n0\n", &SPEOS),
+            (b"OPTIS - Anisotropic BSDF surface file v9.0\n1\x03\0", &SPEOS),
+            (b"<?xml version=\"1.0\"?>\n<WindowElement xmlns=\"http://windows.lbl.gov\">\n", &WINDOW),
+            (b"type bsdf_data\nformat angles=deg bsdf=value scale=1\n10\t0\n", &FRED),
+            (b"# measured\nSource  Measured\nSymmetry  PlaneSymmetrical\nSpectralContent  Monochrome\n", &ZEMAX),
             (b"[materials.a]\nsource = 'a.binary'\n", &MANIFEST),
             (b"{\"version\": 1}", &JSON),
             ("Füße\n".as_bytes(), &TEXT),

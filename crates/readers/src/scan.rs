@@ -61,7 +61,7 @@ impl Scan {
     /// Returns an error for invalid text, counts and numbers that do not parse, angles out of range, rows of the wrong
     /// length, no rows, and more than [`MAX_ROWS`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let text = text::checked(bytes)?;
+        let text = text::checked_but_comments(bytes)?;
         let mut lines = (1u64..).zip(text.lines().map(|line| line.split('#').next().unwrap_or("")));
         let (wavelengths, header_end) = read_wavelengths(&mut lines, text.len())?;
         let weights = colour::rgb_weights(&wavelengths)

@@ -12,7 +12,8 @@ pub static KIND: FileKind = FileKind {
     description: "a scan or a list of directions (.csv)",
     extensions: &["csv"],
     begins: Begins::Text(|text| {
-        let first = first_line(text);
+        let after = text.split_once('\n').filter(|(first, _)| separator(first.as_bytes()).is_some());
+        let first = first_line(after.map_or(text, |(_, rest)| rest)).to_ascii_lowercase();
         first.contains("wi_x") || first.contains("theta_i")
     }),
 };
@@ -31,7 +32,7 @@ pub const MAX_DIRECTION_PAIRS: usize = 1 << 24;
 /// Parses a CSV scan: a header of [`ANGLE_COLUMNS`] or [`VECTOR_COLUMNS`], then one measurement per record.
 pub fn from_bytes(bytes: &[u8]) -> Result<Scan, FormatError> {
     let mut table = Table::open(bytes)?;
-    let columns = if table.header.iter().any(|name| name == "theta_i") {
+    let columns = if table.header.iter().any(|name| name.eq_ignore_ascii_case("theta_i")) {
         table.find(&ANGLE_COLUMNS)?
     } else {
         table.find_or(&VECTOR_COLUMNS, &ANGLE_COLUMNS)?
@@ -133,6 +134,8 @@ pub fn write(output: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
 pub(crate) struct Table<'a> {
     reader: csv::Reader<Records<'a>>,
     header: Vec<String>,
+    /// Number of lines before the first line of the reader.
+    skipped: u64,
     /// True if numbers may have a decimal comma, which is the case if the delimiter is a semicolon or a tab.
     has_commas: bool,
 }
@@ -157,19 +160,19 @@ impl Read for Records<'_> {
 }
 
 impl<'a> Table<'a> {
-    /// Reads the header. The delimiter is the most frequent of comma, semicolon and tab.
+    /// Reads the header.
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        text::checked(bytes)?;
-        let delimiter = delimiter(bytes);
+        text::checked_but_comments(bytes)?;
+        let Body { bytes, delimiter, skipped } = Body::of(bytes);
         let records = Records { bytes, left: text::MAX_LINE_BYTES };
         let mut reader = csv::ReaderBuilder::new();
         let mut reader = reader.delimiter(delimiter).trim(csv::Trim::All).comment(Some(b'#')).from_reader(records);
-        let header = reader.headers().map_err(|error| csv_error(&error, 1))?;
+        let header = reader.headers().map_err(|error| csv_error(&error, 1, skipped))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
         if header.is_empty() {
             return Err(FormatError::whole("header", "empty file", "a line of column names").problem());
         }
-        Ok(Self { reader, header, has_commas: delimiter != b',' })
+        Ok(Self { reader, header, skipped, has_commas: delimiter != b',' })
     }
 
     /// Index in the file of each requested column.
@@ -177,16 +180,19 @@ impl<'a> Table<'a> {
         self.find_or(requested, &[])
     }
 
-    /// Index in the file of each requested column. Errors also list the columns of the other valid header, if any.
+    /// Index in the file of each requested column, whose name may have capitals. Errors also list the columns of the other
+    /// valid header, if any.
     fn find_or(&self, requested: &[&'static str], others: &[&str]) -> Result<Vec<(usize, &'static str)>, FormatError> {
         let headers = [requested.join(","), others.join(",")];
         let headers = if others.is_empty() { &headers[..1] } else { &headers };
         requested
             .iter()
             .map(|name| {
-                self.header.iter().position(|found| found == name).map(|index| (index, *name)).ok_or_else(|| {
+                let exact = self.header.iter().position(|found| found == name);
+                let any_case = || self.header.iter().position(|found| found.eq_ignore_ascii_case(name));
+                exact.or_else(any_case).map(|index| (index, *name)).ok_or_else(|| {
                     FormatError::at_line(
-                        1,
+                        1 + self.skipped,
                         format!("column {name}"),
                         format!("missing in {}", scan::quoted(&self.header.join(","))),
                         format!("a header with {}", headers.join(" or ")),
@@ -205,10 +211,10 @@ impl<'a> Table<'a> {
         self.reader.get_mut().left = text::MAX_LINE_BYTES;
         let mut record = csv::StringRecord::new();
         let start = self.reader.position().line();
-        if !self.reader.read_record(&mut record).map_err(|error| csv_error(&error, start))? {
+        if !self.reader.read_record(&mut record).map_err(|error| csv_error(&error, start, self.skipped))? {
             return Ok(None);
         }
-        let line = record.position().map_or(0, csv::Position::line);
+        let line = self.skipped + record.position().map_or(0, csv::Position::line);
         let numbers = columns
             .iter()
             .map(|(index, name)| {
@@ -220,8 +226,40 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Delimiter of the first line that is not a comment.
-pub fn delimiter(bytes: &[u8]) -> u8 {
+/// The lines of a table that [`csv`] reads, and their delimiter.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<'a> {
+    /// The table without a line `sep=;`, by which spreadsheets declare the delimiter.
+    pub bytes: &'a [u8],
+    /// The declared delimiter, or else the most frequent of comma, semicolon and tab in the first line that is not a comment.
+    pub delimiter: u8,
+    /// Number of skipped lines.
+    skipped: u64,
+}
+
+impl<'a> Body<'a> {
+    /// Finds the lines of a table.
+    pub fn of(bytes: &'a [u8]) -> Self {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let end = text.iter().position(|byte| *byte == b'\n').map_or(text.len(), |at| at + 1);
+        match separator(&text[..end]) {
+            Some(delimiter) => Self { bytes: &text[end..], delimiter, skipped: 1 },
+            None => Self { bytes, delimiter: most_frequent(bytes), skipped: 0 },
+        }
+    }
+}
+
+/// The delimiter that a line `sep=;` declares; `None` for other lines.
+fn separator(line: &[u8]) -> Option<u8> {
+    let line = line.trim_ascii_start();
+    let declared = line.strip_prefix(b"\"").unwrap_or(line);
+    let (key, rest) = declared.split_at_checked(4)?;
+    let delimiter = *rest.first().filter(|_| key.eq_ignore_ascii_case(b"sep="))?;
+    let is_alone = rest[1..].iter().all(|byte| byte.is_ascii_whitespace() || *byte == b'"');
+    (is_alone && [b',', b';', b'\t'].contains(&delimiter)).then_some(delimiter)
+}
+
+fn most_frequent(bytes: &[u8]) -> u8 {
     let is_header = |line: &&[u8]| !line.starts_with(b"#") && !line.trim_ascii().is_empty();
     let header = bytes.split(|byte| *byte == b'\n').find(is_header).unwrap_or_default();
     let count = |delimiter: &u8| header.iter().filter(|byte| *byte == delimiter).count();
@@ -230,8 +268,8 @@ pub fn delimiter(bytes: &[u8]) -> u8 {
 }
 
 /// Error of the record that starts at `line`, unless the error has its own line.
-fn csv_error(error: &csv::Error, line: u64) -> FormatError {
-    let line = error.position().map_or(line, csv::Position::line);
+fn csv_error(error: &csv::Error, line: u64, skipped: u64) -> FormatError {
+    let line = skipped + error.position().map_or(line, csv::Position::line);
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => FormatError::at_line(
             line,
@@ -294,6 +332,43 @@ mod tests {
             assert!(rows(&points.replace("1.5", "1,5,0")).is_err());
         }
         assert!(rows(&plain.replace("1.5", "\"1,5\"")).is_err(), "with commas as delimiters, numbers have none");
+    }
+
+    /// Spreadsheets declare the delimiter; people write names of columns with capitals, and comments in Latin-1.
+    #[test]
+    fn headers_of_spreadsheets_are_read() {
+        let plain = "theta_i,phi_i,theta_o,phi_o,r,g,b\n0.5,0,0.25,1,1.5,2,3e-1\n";
+        let expected = from_bytes(plain.as_bytes()).unwrap().rows;
+        let capitals = plain.replace("theta_i", "Theta_i").replace(",r,g,b", ",R,G,B");
+        let lines = |text: &str| text.replace(',', ";");
+        for text in [
+            capitals.clone(),
+            format!("sep=;\n{}", lines(plain)),
+            format!("\u{feff}SEP=;\r\n{}", lines(&capitals)),
+            format!("\"sep=;\"\n{}", lines(plain).replace('.', ",")),
+            format!("sep=,\n{plain}"),
+        ] {
+            assert_eq!(from_bytes(text.as_bytes()).map(|scan| scan.rows), Ok(expected.clone()), "{text}");
+            assert!(
+                KIND.is_of(text.as_bytes(), text.len() as u64, Some(text.trim_start_matches('\u{feff}'))),
+                "{text}"
+            );
+        }
+        // The exact name comes first.
+        let both = "R,theta_i,phi_i,theta_o,phi_o,r,g,b\n9,0.5,0,0.25,1,1.5,2,3e-1\n";
+        assert_eq!(from_bytes(both.as_bytes()).unwrap().rows, expected);
+        let latin = [b"# Caf\xe9\n", plain.as_bytes()].concat();
+        assert_eq!(from_bytes(&latin).unwrap().rows, expected);
+        let message = |text: &str| from_bytes(text.as_bytes()).unwrap_err().to_string();
+        assert!(
+            message("sep=;\na;b\n").starts_with("line 2, column wi_x: missing in \"a,b\""),
+            "{}",
+            message("sep=;\na;b\n")
+        );
+        let wrong = message(&format!("sep=;\n{}", lines(plain).replace("0.25", "x")));
+        assert!(wrong.starts_with("line 3, theta_o: found \"x\""), "{wrong}");
+        // Another first line is a header.
+        assert!(message(&format!("separate=;\n{plain}")).contains("column wi_x: missing"));
     }
 
     #[test]

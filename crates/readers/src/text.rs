@@ -65,6 +65,26 @@ pub(crate) fn of_any_editor(bytes: &[u8]) -> Result<Cow<'_, str>, FormatError> {
     Ok(text)
 }
 
+/// Decodes text as [`checked`] does, but replaces other bytes than UTF-8 in comments, lines that start with `#`: programs
+/// write the names of people and samples there, often in Latin-1.
+///
+/// # Errors
+/// Returns the errors of [`checked`].
+pub(crate) fn checked_but_comments(bytes: &[u8]) -> Result<Cow<'_, str>, FormatError> {
+    if std::str::from_utf8(bytes).is_ok() || bytes.contains(&0) {
+        return checked(bytes).map(Cow::Borrowed);
+    }
+    let mut repaired = Vec::with_capacity(bytes.len());
+    for line in bytes.split_inclusive(|byte| *byte == b'\n') {
+        if line.trim_ascii_start().starts_with(b"#") {
+            repaired.extend(String::from_utf8_lossy(line).as_bytes());
+        } else {
+            repaired.extend(line);
+        }
+    }
+    checked(&repaired).map(|text| Cow::Owned(text.to_owned()))
+}
+
 /// Error of a line that is too long.
 pub(crate) fn too_long_at(line: u64) -> FormatError {
     FormatError::at_line(line, "text", too_long("line"), allowed_length()).problem()
@@ -112,6 +132,17 @@ mod tests {
         let message = |bytes: &[u8]| of_any_editor(bytes).unwrap_err().to_string();
         assert_eq!(message(b"\xff\xfe1\0\n\0"), "text: found UTF-16, expected UTF-8");
         assert!(message(b"\xe9\n\0").contains("NUL byte at byte 2"));
+    }
+
+    #[test]
+    fn comments_may_be_latin_1() {
+        let text = checked_but_comments(b"  # Caf\xe9\n1 2\n").unwrap();
+        assert_eq!(text, "  # Caf\u{fffd}\n1 2\n");
+        assert_eq!(checked_but_comments("# Café\n1".as_bytes()).unwrap(), "# Café\n1");
+        let message = |bytes: &[u8]| checked_but_comments(bytes).unwrap_err().to_string();
+        assert_eq!(message(b"# \xe9\n1 \xe9\n"), "line 2, text: found byte 0xe9, expected UTF-8");
+        assert!(message(b"# \xe9\n\0").starts_with("line 2, text: NUL byte at byte 4"));
+        assert!(message(b"\xff\xfe#\0\n\0").contains("UTF-16"));
     }
 
     #[test]

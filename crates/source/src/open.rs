@@ -131,7 +131,7 @@ pub fn opened(pack: &BrdfPack, level: Option<f32>) -> Opened {
 }
 
 fn format_of(extension: &str) -> Option<&'static Format<Facts>> {
-    FORMATS.iter().find(|format| format.extension() == extension)
+    FORMATS.iter().find(|format| format.kind.extensions.contains(&extension))
 }
 
 /// Opens a file.

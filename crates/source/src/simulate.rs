@@ -3,12 +3,12 @@
 use brdfc_core::words::format_number;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
-use brdfc_formats::direction::{DirectionPair, Vector, dot, from_polar, rotate_from_normal};
-use brdfc_readers::merl::{self, Dimensions};
+use brdfc_formats::direction::{DirectionPair, Vector, dot};
+use brdfc_readers::merl::{self, Dimensions, pair_of_angles};
 use brdfc_readers::scan::Row;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Bytes of a MERL file of a source. Cells whose directions are below the horizon are invalid.
 pub fn merl_file(source: &dyn Source, dimensions: Dimensions) -> Vec<u8> {
@@ -19,15 +19,6 @@ pub fn merl_file(source: &dyn Source, dimensions: Dimensions) -> Vec<u8> {
     })
     .expect("writing to memory succeeds");
     bytes
-}
-
-/// A pair with these half and difference angles; the half vector is at the tangent's azimuth.
-pub fn pair_of_angles([theta_h, theta_d, phi_d]: [f64; 3]) -> DirectionPair {
-    let half = from_polar(theta_h, 0.0);
-    DirectionPair::new(
-        rotate_from_normal(half, from_polar(theta_d, phi_d)),
-        rotate_from_normal(half, from_polar(theta_d, phi_d + PI)),
-    )
 }
 
 /// Parameters of a simulated scan.

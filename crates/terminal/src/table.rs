@@ -52,7 +52,10 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         format!("{:.2}", rendering.p95),
         report.off_grid.highlight.map_or("-".to_owned(), |highlight| share(highlight.retained())),
         report.fit.map_or("-".to_owned(), |fit| fit.error().map_or("none".to_owned(), share)),
-        report.fit.map_or("-".to_owned(), |fit| format!("{:.0}°, {:.0} %", fit.farthest, 100.0 * fit.uncovered)),
+        report.fit.map_or("-".to_owned(), |fit| {
+            let gaps = fit.largest_gaps();
+            format!("{:.0}°, {:.0} %", gaps.farthest, 100.0 * gaps.uncovered)
+        }),
         seconds.map_or("cached".to_owned(), |s| format!("{s:.2} s")),
     ]
 }

@@ -101,6 +101,10 @@ pub struct Arguments {
     /// given.
     #[arg(long, value_name = "E")]
     pub(super) max_delta_e: Option<f64>,
+    /// Scans as materials: count the error against the fit to a scan as the error against the material. Without this option
+    /// --max-delta-e is met only if the errors of output and fit together are below it.
+    #[arg(long)]
+    pub(super) trust_fit: bool,
     /// Maximum bytes of the reflectance on a GPU, including mipmaps: a number, optionally with KiB or MiB. The program
     /// selects the form with the smallest error within this limit.
     #[arg(long, value_name = "BYTES", conflicts_with = "max_delta_e", value_parser = bytes_from_text)]

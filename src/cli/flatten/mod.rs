@@ -8,11 +8,14 @@ pub use arguments::Arguments;
 pub(super) use text::text;
 
 use super::directions::by_flags;
+use super::options::failed;
 use super::output::{json_or, make_folder, note, print};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
-use brdfc::flatten::words::{missed, remarks};
+use brdfc::encode::ErrorLimits;
+use brdfc::flatten::words::{check_materials, delta_e, missed, remarks};
 use brdfc::flatten::{FlatAsset, FlattenJob, ImageFacts, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
+use brdfc::{FitLimits, encode::GateResult};
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
 use std::time::Instant;
@@ -42,6 +45,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
     }
     let read = surface.images.clone();
+    let evidence = surface.evidence.clone();
     let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob {
@@ -64,15 +68,24 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     for line in remarks(&asset.about) {
         note(common, &arguments.meso, &line);
     }
+    for (name, one) in asset.about.materials.iter().zip(&evidence) {
+        one.remarks(delta_e(&asset.about).unwrap_or(0.0)).iter().for_each(|line| note(common, name, line));
+    }
     let missed = missed(&asset.about);
     if let (Some(text), None) = (&missed, arguments.max_delta_e) {
         note(common, &arguments.meso, &format!("{text}, the default of --max-delta-e"));
     }
+    // The default limit is not a check.
+    let errors = ErrorLimits { delta_e: arguments.max_delta_e, relative: None };
+    let limits = FitLimits { error: None, trusted: arguments.trust_fit };
+    let of_materials = check_materials(&asset.about, &evidence, limits, errors);
+    let of_materials = of_materials
+        .into_iter()
+        .filter_map(|(name, gate): (String, GateResult)| failed(&[gate]).map(|text| format!("{name}: {text}")));
+    let missed = missed.filter(|_| arguments.max_delta_e.is_some()).map(|text| format!("--max-delta-e: {text}"));
+    let missed = missed.into_iter().chain(of_materials).reduce(|all, next| format!("{all}; {next}"));
     let seconds = started.elapsed().as_secs_f64();
     let text = text(&asset, &read, Some(seconds));
     print(&json_or(common, &Report { asset, read, seconds }, text))?;
-    // The default limit is not a check.
-    missed
-        .filter(|_| arguments.max_delta_e.is_some())
-        .map_or(Ok(()), |text| Err(Error::check(format!("--max-delta-e: {text}"))))
+    missed.map_or(Ok(()), |text| Err(Error::check(text)))
 }

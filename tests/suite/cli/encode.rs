@@ -343,7 +343,10 @@ fn limits_are_those_against_the_material() {
     encode(&["--max-delta-e", "5", "--trust-fit"]).succeeded();
     let ran = encode(&["--max-fit-error", "0.01%", "--trust-fit"]);
     assert!(ran.code == 1 && ran.stderr.contains("one.csv: --max-fit-error: found "), "{ran:?}");
-    encode(&["--max-fit-error", "1000%"]).succeeded();
+    // One incidence predicts no other.
+    let ran = encode(&["--max-fit-error", "1000%"]);
+    assert!(ran.code == 1 && ran.stderr.contains(", extrapolated: "), "{ran:?}");
+    encode(&["--max-fit-error", "1000%", "--trust-fit"]).succeeded();
     let ran = folder.run(&["render", "one.csv", "-o", "one.png", "--trust-fit"]);
     assert!(ran.code == 2 || ran.code == 5, "{ran:?}");
 }

@@ -44,10 +44,9 @@ fn limits_are_kept_or_reported() {
         (
             &[GLOSSY, "--max-bytes", "2048"],
             2,
-            "--max-bytes does not apply to --codec lobes, which takes --max-delta-e and",
+            "--max-bytes does not apply to --codec lobes, which takes --max-delta-e, --max-fetches, --max-fit-error and",
         ),
         (&[GLOSSY, "--levels", "0"], 2, "--levels does not apply to --codec lobes"),
-        (&[GLOSSY, "--trust-fit"], 2, "--trust-fit does not apply to --codec lobes"),
         (&["synth:gone"], 3, "synth:gone"),
     ] {
         let ran = run(more);

@@ -1,6 +1,7 @@
 //! Opens the inputs of flattening: geometry, materials, images.
 
 use crate::error::Error;
+use crate::report::fit::Evidence;
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::one_of;
@@ -10,10 +11,11 @@ use brdfc_flat_btf::structures::Structure;
 use brdfc_flat_btf::surface::Appearance;
 use brdfc_flat_btf::tile_image::TileImage;
 use brdfc_flat_btf::weld::{MesoError, WeldReport, from_heights, weld};
+use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_source::Input;
 use brdfc_source::meso::{MesoInput, open_meso};
-use brdfc_source::open::{Facts, open};
+use brdfc_source::open::{Facts, Opened, open};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::photograph::CodeValues;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
@@ -201,15 +203,23 @@ pub fn open_appearance(
     materials: &[Input],
     progress: &dyn Progress,
 ) -> Result<Appearance, Error> {
-    appearance_and_images(options, materials, progress).map(|(appearance, _)| appearance)
+    open_observed(options, materials, &mut |_| Ok(()), progress).map(|(appearance, _)| appearance)
 }
 
-fn appearance_and_images(
+/// Same as [`open_appearance`], and calls `observe` with the source of each material before it is tabulated. Also returns the
+/// statements of the images.
+fn open_observed(
     options: &MesoOptions,
     materials: &[Input],
+    observe: &mut dyn FnMut(&dyn Source) -> Result<(), Error>,
     progress: &dyn Progress,
 ) -> Result<(Appearance, Vec<ImageFacts>), Error> {
-    let sources = materials.iter().map(|material| open_material(material, progress)).collect::<Result<_, _>>()?;
+    let opened = |material| {
+        let opened = open(material, None)?;
+        observe(opened.source.as_ref())?;
+        tabulated(opened, progress)
+    };
+    let sources = materials.iter().map(opened).collect::<Result<_, _>>()?;
     let colour = options.colour.as_ref().map(open_colours).transpose()?;
     let weights = options.weights.as_ref().map(open_shares).transpose()?;
     let of_colour = colour.as_ref().map(|image| ("colour", image.conversions.clone()));
@@ -223,8 +233,8 @@ fn tile_image<const N: usize>(FileImage { width, height, pixels, .. }: FileImage
     TileImage { width, height, pixels }
 }
 
-fn open_material(material: &Input, progress: &dyn Progress) -> Result<Box<dyn Source>, Error> {
-    let opened = open(material, None)?;
+/// The source of a material; a table of it for a scan.
+fn tabulated(opened: Opened, progress: &dyn Progress) -> Result<Box<dyn Source>, Error> {
     if !matches!(opened.facts, Facts::Scan(_)) {
         return Ok(opened.source);
     }
@@ -252,6 +262,8 @@ pub struct Surface {
     pub values: Values,
     /// Statements of the images about their pixels.
     pub images: Vec<ImageFacts>,
+    /// Properties of the materials on which the meaning of errors against them depends; empty for an ordinary BTF.
+    pub evidence: Vec<Evidence>,
 }
 
 impl Surface {
@@ -265,10 +277,15 @@ impl Surface {
         let Some(path) = btf else {
             let geometry = open_geometry(options)?;
             let inputs = material_list(options, &geometry)?;
-            let (appearance, images) = appearance_and_images(options, &inputs, &())?;
+            let mut evidence = Vec::new();
+            let mut observe = |source: &dyn Source| -> Result<(), Error> {
+                evidence.push(Evidence::measure(source, DirectionRange::ALL, &())?);
+                Ok(())
+            };
+            let (appearance, images) = open_observed(options, &inputs, &mut observe, &())?;
             let materials = inputs.iter().map(Input::short_name).collect();
             let values = Values::Computed(appearance);
-            return Ok(Self { images: with_heights(&geometry, images), geometry, materials, values });
+            return Ok(Self { images: with_heights(&geometry, images), geometry, materials, values, evidence });
         };
         let stack = OrdinaryBtf::open_as(path, codes)?;
         let mut geometry = open_geometry(options)?;
@@ -278,7 +295,7 @@ impl Surface {
         let conversions = stack.colour().map(str::to_owned).into_iter().chain(stack.notes().iter().cloned()).collect();
         let images = stack.colour().map(|_| ImageFacts { image: "images", conversions }).into_iter().collect();
         let images = with_heights(&geometry, images);
-        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack), images })
+        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack), images, evidence: Vec::new() })
     }
 }
 

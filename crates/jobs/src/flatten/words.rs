@@ -1,6 +1,9 @@
 //! Summaries and notes about flat BTFs.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
+use crate::report::fit::{Evidence, Found, check};
+use crate::report::gate::GateResult;
+use brdfc_codec::{ErrorLimits, FitLimits};
 use brdfc_core::words::{bytes, counted, percent};
 use brdfc_flat_btf::encode::{AssetReport, Reflectance, ReliefForm, VdimRecipe};
 use brdfc_flat_btf::factored::{FactoredFacts, FactoredTarget};
@@ -53,21 +56,44 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
     lines
 }
 
-/// Message if the factors miss their target; `None` if they meet it.
+/// Mean ΔE of the reflectance against the materials or images; `None` where it is not approximated.
+pub fn delta_e(asset: &AssetFile) -> Option<f64> {
+    let of_trees = asset.trees.as_ref().map(|trees| f64::from(trees.errors.delta_e));
+    of_trees.or_else(|| Some(f64::from(asset.report.factored.as_ref()?.errors.seen_mean)))
+}
+
+/// Message if the reflectance misses its target; `None` if it meets it.
 pub fn missed(asset: &AssetFile) -> Option<String> {
     let FactoredTarget::Error(most) = asset.settings.target else { return None };
-    if let Some(trees) = &asset.trees {
-        let found = f64::from(trees.errors.delta_e);
-        let text = format!("found a mean ΔE of {found:.3} with trees of all terms, expected at most {most}");
-        return (found > most).then_some(text);
-    }
-    let factored = asset.report.factored.as_ref()?;
-    let found = f64::from(factored.errors.seen_mean);
-    let form = if factored.components == 0 { "brdf".to_owned() } else { format!("{} components", factored.components) };
-    (found > most).then(|| {
-        let tried = counted(factored.tried.len(), "trial");
-        format!("found a mean ΔE of {found:.3} with {form} after {tried}, expected at most {most}")
-    })
+    let found = delta_e(asset).filter(|found| *found > most)?;
+    let form = match (&asset.trees, &asset.report.factored) {
+        (None, Some(factored)) => {
+            let form = match factored.components {
+                0 => "brdf".to_owned(),
+                components => format!("{components} components"),
+            };
+            format!("{form} after {}", counted(factored.tried.len(), "trial"))
+        }
+        _ => "trees of all terms".to_owned(),
+    };
+    Some(format!("found a mean ΔE of {found:.3} with {form}, expected at most {most}"))
+}
+
+/// Checks of the materials of an asset, if limits are set: the same as those of packs. The error of a mixture is that of
+/// each material; a mixture is black if all of them are.
+pub fn check_materials(
+    asset: &AssetFile,
+    evidence: &[Evidence],
+    limits: FitLimits,
+    errors: ErrorLimits,
+) -> Vec<(String, GateResult)> {
+    let black = evidence.iter().all(|one| one.black);
+    let found = Found { delta_e: delta_e(asset), relative: None, all_lights: true };
+    let named = asset.materials.iter().zip(evidence).flat_map(|(name, one)| {
+        let results = check(limits, errors, &Evidence { black, ..*one }, found);
+        results.into_iter().map(|result| (name.clone(), result))
+    });
+    named.collect()
 }
 
 /// Messages about repairs of a mesh, one per kind; empty if nothing was repaired.

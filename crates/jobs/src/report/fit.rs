@@ -1,59 +1,174 @@
-//! Checks of the fit from which a pack of a scan was made.
+//! Checks of limits that apply to any output of any codec and command: whether there is anything to measure, and whether a
+//! scan determines the material.
 
 use super::gate::GateResult;
 use super::material::MaterialReport;
-use brdfc_codec::{ErrorLimits, FitLimits};
+use brdfc_codec::{ErrorLimits, FitLimits, TAIL};
+use brdfc_core::Source;
+use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_core::words::percent;
-use brdfc_metrics::compare::is_black;
+use brdfc_formats::crop::DirectionRange;
+use brdfc_formats::direction::DirectionPair;
+use brdfc_metrics::compare::{Comparison, is_black, mean_value};
+use brdfc_metrics::fit_error::FitError;
+use brdfc_metrics::sampling::PairSet;
+use brdfc_metrics::values::values_at;
+use serde::Serialize;
 
-/// Checks the error of the fit against its limits, and the error of pack and fit together against the limits of the pack.
-/// Sources that are not fitted to samples pass.
-pub fn check(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) -> Vec<GateResult> {
-    let mut results = Vec::new();
-    let Some(fit) = &report.fit else { return results };
-    let unknown = || "no held-out samples: there are too few".to_owned();
-    if let Some(limit) = limits.error {
-        let (found, passed) = match fit.error() {
-            _ if is_black(report.off_grid.mean) => ("no light: the material is black".to_owned(), false),
-            Some(found) => (percent(found), found <= limit),
-            None => (unknown(), false),
+/// Every pair of the test directions whose number is a multiple of this is evaluated for light.
+const COARSE: usize = 8;
+/// Reason why no error of a black material is measured.
+const NO_LIGHT: &str = "no light: the material is black in all tested directions";
+
+/// Properties of a source on which the meaning of an error against it depends.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Evidence {
+    /// Error of the fit to samples; absent for sources that are not fitted.
+    pub fit: Option<FitError>,
+    /// True for a material without any light at the test directions.
+    pub black: bool,
+}
+
+/// Errors of an output against its source, as far as they are measured.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Found {
+    /// Mean ΔE of renderings.
+    pub delta_e: Option<f64>,
+    /// Relative error `ε_r`, a fraction.
+    pub relative: Option<f64>,
+    /// True if the ΔE is under light from all directions, unlike that of the ball under three lights.
+    pub all_lights: bool,
+}
+
+impl Found {
+    /// The errors of a comparison.
+    pub fn of(comparison: &Comparison) -> Self {
+        Self {
+            delta_e: Some(comparison.rendering.delta_e.mean),
+            relative: Some(comparison.norms.relative_mean),
+            all_lights: false,
+        }
+    }
+}
+
+impl Evidence {
+    /// Measures a source within a range of directions.
+    ///
+    /// # Errors
+    /// Returns an error if cancelled.
+    pub fn measure(
+        source: &dyn Source,
+        directions: DirectionRange,
+        progress: &dyn Progress,
+    ) -> Result<Self, Cancelled> {
+        let measure = |completion| FitError::measure(source, completion, directions, progress);
+        let fit = source.completion().map(measure).transpose()?;
+        let set = PairSet::within(directions);
+        let uniform: Vec<DirectionPair> = set.pairs[..set.of_mean].iter().copied().step_by(COARSE).collect();
+        let (values, _) = values_at(source, &uniform);
+        Ok(Self { fit, black: is_black(mean_value(&values)) })
+    }
+
+    /// The evidence in the report of a pack.
+    pub fn of(report: &MaterialReport) -> Self {
+        let is_measured = report.off_grid.norms.samples > 0;
+        Self { fit: report.fit, black: is_measured && is_black(report.off_grid.mean) }
+    }
+
+    /// Notes on a source, for an output with this mean ΔE.
+    pub fn remarks(&self, delta_e: f64) -> Vec<String> {
+        if self.black {
+            return vec!["the material is black at all test directions".to_owned()];
+        }
+        self.fit.as_ref().map_or(Vec::new(), |fit| super::material::fit_remarks(fit, delta_e))
+    }
+}
+
+/// Checks the fit of the source against its limits, and the errors of fit and output together against the limits of errors.
+/// If limits are set, a black material fails, and so does a scan that does not determine what the error is a mean of.
+pub fn check(limits: FitLimits, errors: ErrorLimits, evidence: &Evidence, found: Found) -> Vec<GateResult> {
+    if evidence.black {
+        let set = [
+            ("max_delta_e", errors.delta_e.map(|limit| limit.to_string())),
+            ("max_error", errors.relative.map(percent)),
+            ("max_fit_error", limits.error.map(percent)),
+        ];
+        let failed = |(gate, limit): (&str, Option<String>)| {
+            limit.map(|limit| GateResult::new(gate, NO_LIGHT, at_most(&limit), false))
         };
-        results.push(GateResult::new("max_fit_error", found, at_most(&percent(limit)), passed));
+        return set.into_iter().filter_map(failed).collect();
+    }
+    let mut results = Vec::new();
+    let Some(fit) = &evidence.fit else { return results };
+    let extrapolation = fit.extrapolation().filter(|_| !limits.trusted);
+    let or_trusted = |allowed: &str| format!("{allowed}; trust_fit (--trust-fit) accepts the fit");
+    if let Some(limit) = limits.error {
+        let allowed = at_most(&percent(limit));
+        let result = match (fit.error(), &extrapolation) {
+            (None, _) => ("no held-out samples: there are too few".to_owned(), allowed, false),
+            (Some(found), Some(problem)) if found <= limit => {
+                (format!("{}, extrapolated: {problem}", percent(found)), or_trusted(&allowed), false)
+            }
+            (Some(found), _) => (percent(found), allowed, found <= limit),
+        };
+        results.push(GateResult::new("max_fit_error", result.0, result.1, result.2));
     }
     if limits.trusted || errors == ErrorLimits::default() {
         return results;
     }
     let mut fail = |found: String, allowed: &str| {
-        let allowed = format!("{allowed}; trust_fit (--trust-fit) accepts the fit");
-        results.push(GateResult::new("fit", found, allowed, false));
+        results.push(GateResult::new("fit", found, or_trusted(allowed), false));
     };
-    if let Some(gaps) = fit.gaps() {
+    if let Some(gaps) = fit.gaps().or(extrapolation.filter(|_| errors.relative.is_some() || found.all_lights)) {
         fail(format!("no reliable fit: {gaps}"), "samples that determine the material");
     }
-    // Both errors are independent.
-    if let (Some(limit), Some(of_fit)) = (errors.delta_e, fit.delta_e) {
-        let of_pack = report.off_grid.rendering.delta_e.mean;
-        let all = of_pack.hypot(of_fit);
-        // If the pack alone misses the limit, the pack's own check reports it.
-        if all > limit && (of_pack <= limit || of_fit > limit) {
-            let found = format!(
-                "a ΔE of about {all:.2} against the material, {of_pack:.2} from the pack and {of_fit:.2} from the fit"
-            );
-            fail(found, &at_most(&limit.to_string()));
-        }
+    // Both errors are independent. If the output alone misses the limit, its own check reports it. Limits of wavelet packs
+    // apply on their grid.
+    let together = |limit: Option<f64>, of_output: Option<f64>, of_fit: Option<f64>| {
+        let (limit, of_output, of_fit) = (limit?, of_output?, of_fit?);
+        let all = of_output.hypot(of_fit);
+        (all > limit && (of_output <= limit || of_fit > limit)).then_some((limit, all, of_output, of_fit))
+    };
+    if let Some((limit, all, of_output, of_fit)) = together(errors.delta_e, found.delta_e, fit.delta_e) {
+        let found = format!(
+            "a ΔE of about {all:.2} against the material, {of_output:.2} from the pack and {of_fit:.2} from the fit"
+        );
+        fail(found, &at_most(&limit.to_string()));
     }
-    if let (Some(limit), Some(of_fit)) = (errors.relative, fit.error()) {
-        let of_pack = report.off_grid.norms.relative_mean;
-        let all = of_pack.hypot(of_fit);
-        // Likewise. Limits of wavelet packs apply on their grid.
-        if all > limit && (of_pack <= limit || of_fit > limit) {
-            let [all, of_pack, of_fit] = [all, of_pack, of_fit].map(percent);
-            let found =
-                format!("ε_r of about {all} against the material, {of_pack} from the pack and {of_fit} from the fit");
-            fail(found, &at_most(&percent(limit)));
-        }
+    if let Some((limit, all, of_output, of_fit)) = together(errors.relative, found.relative, fit.error()) {
+        let [all, of_output, of_fit] = [all, of_output, of_fit].map(percent);
+        let found =
+            format!("ε_r of about {all} against the material, {of_output} from the pack and {of_fit} from the fit");
+        fail(found, &at_most(&percent(limit)));
     }
     results
+}
+
+/// Checks the error of an output against its source. A limit with nothing to measure fails.
+pub fn check_output(errors: ErrorLimits, comparison: &Comparison) -> Vec<GateResult> {
+    let black = is_black(comparison.mean);
+    let of_delta_e = errors.delta_e.map(|limit| {
+        let rendering = &comparison.rendering.delta_e;
+        let allowed = format!("a mean of at most {limit}, 95 % below {}", TAIL * limit);
+        let found = format!("a mean of {:.3}, 95 % below {:.3}", rendering.mean, rendering.p95);
+        // NaN fails.
+        let passed = !black && rendering.mean <= limit && rendering.p95 <= TAIL * limit;
+        GateResult::new("max_delta_e", if black { NO_LIGHT.to_owned() } else { found }, allowed, passed)
+    });
+    let of_relative = errors.relative.map(|limit| {
+        let norms = &comparison.norms;
+        let (found, passed) = match norms.counted() {
+            0 => ("no sample above the floor".to_owned(), false),
+            _ => (format!("{:.3} %", 100.0 * norms.relative_mean), norms.relative_mean <= limit),
+        };
+        GateResult::new("max_error", found, format!("at most {} %", 100.0 * limit), passed)
+    });
+    of_delta_e.into_iter().chain(of_relative).collect()
+}
+
+/// Checks of a pack, by its report.
+pub fn check_report(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) -> Vec<GateResult> {
+    check(limits, errors, &Evidence::of(report), Found::of(&report.off_grid))
 }
 
 fn at_most(limit: &str) -> String {
@@ -65,7 +180,7 @@ mod tests {
     use super::*;
     use crate::encode::{PackRecipe, encode};
     use brdfc_core::source::{Repeats, Rise};
-    use brdfc_metrics::fit_error::FitError;
+    use brdfc_metrics::fit_error::Gaps;
     use brdfc_source::open::open;
 
     const GOOD: FitError = FitError {
@@ -73,8 +188,8 @@ mod tests {
         samples: Some(0.02),
         incidences: Some(0.03),
         delta_e: Some(0.3),
-        farthest: 8.0,
-        uncovered: 0.0,
+        ball: Gaps { farthest: 8.0, uncovered: 0.0 },
+        test_directions: Gaps { farthest: 9.0, uncovered: 0.02 },
         repeats: None,
     };
 
@@ -89,7 +204,7 @@ mod tests {
     }
 
     fn failed(fit: FitError, limits: FitLimits, delta_e: Option<f64>, relative: Option<f64>) -> Vec<String> {
-        let results = check(limits, ErrorLimits { delta_e, relative }, &report(Some(fit)));
+        let results = check_report(limits, ErrorLimits { delta_e, relative }, &report(Some(fit)));
         results.into_iter().filter(|gate| !gate.passed).map(|gate| gate.gate).collect()
     }
 
@@ -107,16 +222,17 @@ mod tests {
         assert!(failed(GOOD, none, None, None).is_empty());
         let trusted = FitLimits { trusted: true, ..none };
         assert!(failed(GOOD, trusted, Some(0.1), Some(0.01)).is_empty());
-        assert!(check(none, ErrorLimits { delta_e: Some(0.1), relative: None }, &report(None)).is_empty());
+        assert!(check_report(none, ErrorLimits { delta_e: Some(0.1), relative: None }, &report(None)).is_empty());
     }
 
     #[test]
     fn gaps_and_contradictions_fail_at_any_limit() {
         let rise = |ratio, peak| Some(Rise { incidence: 60.0, nearest: 4.0, next: 8.0, ratio, peak });
+        let gaps = |uncovered| Gaps { farthest: 40.0, uncovered };
         let repeats = |share, spread| Some(Repeats { pairs: 9, share, spread, largest: spread });
         for (fit, fails) in [
-            (FitError { uncovered: 0.2, ..GOOD }, true),
-            (FitError { uncovered: 0.05, ..GOOD }, false),
+            (FitError { ball: gaps(0.2), ..GOOD }, true),
+            (FitError { ball: gaps(0.05), ..GOOD }, false),
             (FitError { repeats: repeats(0.5, 0.9), ..GOOD }, true),
             (FitError { repeats: repeats(0.01, 0.9), ..GOOD }, false),
             (FitError { repeats: repeats(0.5, 0.1), ..GOOD }, false),
@@ -132,10 +248,39 @@ mod tests {
     }
 
     #[test]
+    fn black_materials_fail_at_any_limit() {
+        let limits = FitLimits { error: Some(0.1), trusted: true };
+        let errors = ErrorLimits { delta_e: Some(1.0), relative: Some(0.1) };
+        for black in [true, false] {
+            let results = check(limits, errors, &Evidence { fit: None, black }, Found::default());
+            let keys: Vec<&str> = results.iter().map(|result| result.gate.as_str()).collect();
+            assert_eq!(keys, if black { &["max_delta_e", "max_error", "max_fit_error"][..] } else { &[] });
+        }
+        let beyond = FitError { test_directions: Gaps { farthest: 40.0, uncovered: 0.3 }, ..GOOD };
+        let beyond = Evidence { fit: Some(beyond), black: false };
+        let limit = ErrorLimits { delta_e: Some(5.0), relative: None };
+        for all_lights in [true, false] {
+            let found = Found { delta_e: Some(0.1), all_lights, ..Found::default() };
+            assert_eq!(check(FitLimits::default(), limit, &beyond, found).is_empty(), !all_lights);
+        }
+        let none =
+            check(FitLimits::default(), ErrorLimits::default(), &Evidence { fit: None, black: true }, Found::default());
+        assert_eq!(none, []);
+    }
+
+    #[test]
     fn the_error_of_a_fit_has_a_limit_of_its_own() {
         let limits = |error| FitLimits { error: Some(error), trusted: true };
         assert!(failed(GOOD, limits(0.03), None, None).is_empty());
         assert_eq!(failed(GOOD, limits(0.029), None, None), ["max_fit_error"]);
+        // Gaps beyond the ball make ε_r an extrapolation. A ΔE does not depend on them.
+        let beyond = FitError { test_directions: Gaps { farthest: 40.0, uncovered: 0.3 }, ..GOOD };
+        let error = |trusted| FitLimits { error: Some(0.05), trusted };
+        assert!(failed(GOOD, error(false), Some(5.0), Some(0.1)).is_empty());
+        assert_eq!(failed(beyond, error(false), None, None), ["max_fit_error"]);
+        assert_eq!(failed(beyond, FitLimits::default(), None, Some(0.1)), ["fit"]);
+        assert!(failed(beyond, FitLimits::default(), Some(5.0), None).is_empty());
+        assert!(failed(beyond, error(true), None, Some(0.1)).is_empty());
         let unknown = FitError { samples: None, incidences: None, ..GOOD };
         assert_eq!(failed(unknown, limits(100.0), None, None), ["max_fit_error"]);
     }

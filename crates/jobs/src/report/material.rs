@@ -1,5 +1,6 @@
 //! The report of one encoded material.
 
+use super::fit::Evidence;
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use crate::pack_files::entries;
 use brdfc_codec::HIGHLIGHT;
@@ -8,7 +9,7 @@ use brdfc_core::source::Repeats;
 use brdfc_core::words::{bytes, percent};
 use brdfc_core::{StrayRows, Tally};
 use brdfc_formats::crop::DirectionRange;
-use brdfc_metrics::compare::{Comparison, is_black};
+use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::fit_error::FitError;
 use brdfc_source::open::Opened;
 use serde::{Deserialize, Serialize};
@@ -131,11 +132,11 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         )
     }));
     lines.extend(repairs_summary(&report.repairs));
-    if report.off_grid.norms.samples > 0 && is_black(report.off_grid.mean) {
-        lines.push("the material is black at all test directions".to_owned());
+    let evidence = Evidence::of(report);
+    lines.extend(evidence.remarks(report.off_grid.rendering.delta_e.mean));
+    if evidence.black {
         return lines;
     }
-    lines.extend(report.fit.as_ref().map_or(Vec::new(), |fit| fit_remarks(fit, &report.off_grid)));
     if let Some(AveragingCost { delta_e, relative_error }) = report.averaging
         && (delta_e >= 0.005 || relative_error >= 5e-5)
     {
@@ -180,9 +181,9 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
 const SPREAD: f64 = 0.05;
 
 /// Notes on fits that are less accurate than the pack, and on samples that contradict each other.
-fn fit_remarks(fit: &FitError, off_grid: &Comparison) -> Vec<String> {
+pub(super) fn fit_remarks(fit: &FitError, delta_e: f64) -> Vec<String> {
     let mut lines = Vec::new();
-    if let Some(weakness) = fit.weakness(off_grid.rendering.delta_e.mean) {
+    if let Some(weakness) = fit.weakness(delta_e) {
         lines
             .push(format!("errors are relative to a fit to samples, which is less accurate than the pack: {weakness}"));
     }

@@ -72,7 +72,7 @@ pub fn address_of(source: &OsStr) -> Option<&str> {
 /// Returns true if a file has the extension of a reflectance format.
 pub fn is_material(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.extension() == extension))
+    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.kind.extensions.contains(&extension.as_str())))
 }
 
 /// Returns true if a file is a measured material, which excludes packs, or a dangling link to one. A .csv file counts

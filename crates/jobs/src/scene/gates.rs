@@ -1,12 +1,12 @@
 //! Gates: limits that a finished pack has to meet, independently of its recipe. A gate with nothing to measure fails.
 
-use crate::report::fit;
+use super::lobes::{LOBES, LobesReport};
+use crate::report::fit::{self, Evidence, Found};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
-use brdfc_codec::{Budget, ErrorLimits, FitLimits, OptionError, TAIL};
+use brdfc_codec::{Budget, ErrorLimits, FitLimits, OptionError};
 use brdfc_core::byte_count::bytes_from_manifest;
 use brdfc_core::words::{counted, percent};
-use brdfc_metrics::compare::is_black;
 use brdfc_metrics::fraction::Fraction;
 use serde::Deserialize;
 
@@ -52,47 +52,45 @@ pub struct Gates {
     pub fit: FitLimits,
     /// Error limits of the pack, from `require` or the recipe. They also apply to the error against the samples.
     pub errors: ErrorLimits,
+    /// Error limit of the lobes that the manifest sets.
+    pub lobes: ErrorLimits,
 }
 
-/// Checks a material against its gates.
-pub fn check(gates: &Gates, report: &MaterialReport) -> Vec<GateResult> {
+/// Checks a material and its lobes, if it has any, against its gates.
+pub fn check(gates: &Gates, report: &MaterialReport, lobes: Option<&LobesReport>) -> Vec<GateResult> {
     let mut results = check_pack(&gates.required, report);
-    results.extend(fit::check(gates.fit, gates.errors, report));
+    let is_new = |result: &GateResult| results.iter().all(|other| other.gate != required(&result.gate) || other.passed);
+    let of_source: Vec<GateResult> =
+        fit::check_report(gates.fit, gates.errors, report).into_iter().filter(is_new).collect();
+    results.extend(of_source);
+    if let Some(lobes) = lobes {
+        let found = Found { delta_e: Some(lobes.facts.delta_e.mean), relative: None, all_lights: true };
+        let limits = FitLimits { error: None, ..gates.fit };
+        let of_lobes = fit::check(limits, gates.lobes, &Evidence::of(report), found);
+        results.extend(
+            of_lobes.into_iter().map(|result| GateResult { gate: format!("{LOBES}.{}", result.gate), ..result }),
+        );
+    }
     results
 }
 
+/// Key of a gate of the table `require`.
+fn required(gate: &str) -> String {
+    format!("require.{gate}")
+}
+
 fn check_pack(gates: &Budget, report: &MaterialReport) -> Vec<GateResult> {
-    let mut results = Vec::new();
+    let mut results = fit::check_output(gates.into(), &report.off_grid);
+    results.iter_mut().for_each(|result| result.gate = required(&result.gate));
     let mut hold = |gate: &str, found: String, allowed: String, passed: bool| {
-        results.push(GateResult::new(&format!("require.{gate}"), found, allowed, passed));
+        results.push(GateResult::new(&required(gate), found, allowed, passed));
     };
-    let (norms, rendering) = (&report.off_grid.norms, &report.off_grid.rendering.delta_e);
-    if let Some(limit) = gates.delta_e {
-        let allowed = format!("a mean of at most {limit}, 95 % below {}", TAIL * limit);
-        if is_black(report.off_grid.mean) {
-            let found = "no light: the material is black in all tested directions";
-            hold("max_delta_e", found.to_owned(), allowed, false);
-        } else {
-            let found = format!("a mean of {:.3}, 95 % below {:.3}", rendering.mean, rendering.p95);
-            // NaN fails.
-            hold("max_delta_e", found, allowed, rendering.mean <= limit && rendering.p95 <= TAIL * limit);
-        }
-    }
     if let Some(least) = gates.highlight {
         // Materials without a highlight pass.
         let found = report.off_grid.highlight;
         let text = found.map_or("no highlight".to_owned(), |highlight| highlight.summary());
         let allowed = format!("at least {} of its light", percent(least));
         hold("min_highlight", text, allowed, found.is_none_or(|highlight| highlight.retained() >= least));
-    }
-    if let Some(limit) = gates.error {
-        let allowed = format!("at most {} %", 100.0 * limit);
-        if norms.counted() == 0 {
-            hold("max_error", "no sample above the floor".to_owned(), allowed, false);
-        } else {
-            let found = format!("{:.3} %", 100.0 * norms.relative_mean);
-            hold("max_error", found, allowed, norms.relative_mean <= limit);
-        }
     }
     if let Some(limit) = gates.bytes {
         let allowed = format!("at most {}", counted(limit as usize, "byte"));

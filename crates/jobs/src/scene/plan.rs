@@ -9,7 +9,7 @@ use super::needs::{self, Needs, needs};
 use super::scene_section::ENVIRONMENT;
 use super::textures::TextureJob;
 use super::uses::Use;
-use crate::encode::{OptionError, PackRecipe, options_over};
+use crate::encode::{ErrorLimits, OptionError, PackRecipe, options_over};
 use crate::error::Error;
 use brdfc_core::Smooth;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
@@ -187,7 +187,13 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
         let required = material.require.resolve(&defaults.require).map_err(wrong)?;
         let lobes = material.lobes.resolve(&defaults.lobes).map_err(wrong)?;
         let fit = options_over(&material.options, &defaults.options).fit_limits().map_err(wrong)?;
-        let gates = Gates { required, fit, errors: recipe.asked_errors().and((&required).into()) };
+        let of_lobes = material.lobes.max_delta_e.or(defaults.lobes.max_delta_e);
+        let gates = Gates {
+            required,
+            fit,
+            errors: recipe.asked_errors().and((&required).into()),
+            lobes: ErrorLimits { delta_e: of_lobes, relative: None },
+        };
         recipe.limit_levels(&|levels| need.stored_levels(levels, scale));
         recipe.limit_coarser_levels(need.coarser_levels(scale));
         recipe.limit_directions(need.directions);

@@ -154,7 +154,10 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
         let of_twin = || {
             let part = progress.part(&job.name);
             let result = match twin.and_then(|twin| materials[twin].result.as_ref().ok()) {
-                Some(made) => Ok(Made { gates: gates::check(&job.gates, &made.report), times: None, ..made.clone() }),
+                Some(made) => {
+                    let lobes = made.maps.as_ref().and_then(|maps| maps.lobes.as_ref());
+                    Ok(Made { gates: gates::check(&job.gates, &made.report, lobes), times: None, ..made.clone() })
+                }
                 // Run it again: the error names the source as this material declares it.
                 None => context.material(job, &shared, part.as_ref()),
             };
@@ -507,7 +510,7 @@ fn made_from_cache(job: &Job, cached: CachedMaterial, times: Option<Vec<StageTim
     files.extend(job.lighting_parts().zip(lobes.1.into_iter().chain(maps.1).chain(texture.1)));
     let maps = MapsReport::of(lobes.0, maps.0, texture.0);
     let (report, pack_times) = pack.report;
-    let gates = gates::check(&job.gates, &report);
+    let gates = gates::check(&job.gates, &report, maps.as_ref().and_then(|maps| maps.lobes.as_ref()));
     Made { report, maps, source: cached.source, gates, files, times, pack_times }
 }
 

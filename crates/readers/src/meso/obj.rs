@@ -105,7 +105,7 @@ impl Reader {
     }
 
     fn vertex(&mut self, line: u64, rest: &str) -> Result<(), FormatError> {
-        let mut numbers = [0.0; 6];
+        let mut numbers = [0.0; 7];
         let mut count = 0;
         for token in rest.split_ascii_whitespace() {
             let value = number(token, line, if count < 3 { "coordinate" } else { "colour" })?;
@@ -114,16 +114,17 @@ impl Reader {
             }
             count += 1;
         }
-        if ![3, 4, 6].contains(&count) {
-            let allowed = "3 (x y z), 4 (x y z w) or 6 (x y z r g b)";
+        if ![3, 4, 6, 7].contains(&count) {
+            let allowed = "3 (x y z), 4 (x y z w), 6 (x y z r g b) or 7 (x y z r g b a)";
             return Err(FormatError::at_line(line, "vertex", format!("{count} numbers"), allowed));
         }
-        let [x, y, z, r, g, b] = numbers;
+        // The opacity does not count.
+        let [x, y, z, r, g, b, _] = numbers;
         if let Some(wrong) = [x, y, z].iter().find(|c| !is_coordinate(**c)) {
             let allowed = format!("-{MAX_COORDINATE:e} to {MAX_COORDINATE:e}");
             return Err(FormatError::at_line(line, "coordinate", wrong.to_string(), allowed));
         }
-        let coloured = count == 6;
+        let coloured = count >= 6;
         if !self.mesh.positions.is_empty() && coloured == self.mesh.colours.is_empty() {
             let found =
                 if coloured { "colour after vertices without colours" } else { "no colour after coloured vertices" };
@@ -299,6 +300,15 @@ mod tests {
         assert_eq!(mesh.materials, [DEFAULT_MATERIAL, "b"]);
     }
 
+    /// Some scanners write an opacity after the colour.
+    #[test]
+    fn opacities_are_ignored() {
+        let rows = |more: &str| format!("v 0 0 0 0 0.5 1{more}\nv 1 0 0 0 0 0{more}\nv 0 1 0 1 1 1{more}\nf 1 2 3\n");
+        let [plain, with] = ["", " 0.25"].map(|more| from_bytes(rows(more).as_bytes()).unwrap());
+        assert_eq!((plain.positions, plain.colours), (with.positions, with.colours));
+        assert!(from_bytes(rows(" 1 1").as_bytes()).is_err());
+    }
+
     #[test]
     fn colours_become_linear() {
         let mesh = read("v 0 0 0 0 0.5 1\nv 0 0 0 0 0 0\nf 1 2 1");
@@ -313,7 +323,7 @@ mod tests {
         assert!(message(SQUARE).contains("no faces, and 4 vertices"));
         assert_eq!(
             message("v 0 0\n"),
-            "line 1, vertex: found 2 numbers, expected 3 (x y z), 4 (x y z w) or 6 (x y z r g b)"
+            "line 1, vertex: found 2 numbers, expected 3 (x y z), 4 (x y z w), 6 (x y z r g b) or 7 (x y z r g b a)"
         );
         assert!(message("\nv 0 nan 0\n").starts_with("line 2, coordinate: found \"nan\", expected a finite number"));
         assert!(message("v 0 inf 0\n").contains("line 1, coordinate: found \"inf\""));

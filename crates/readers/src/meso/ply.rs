@@ -44,6 +44,14 @@ pub fn from_bytes(bytes: &[u8]) -> Result<TriangleMesh, FormatError> {
     Ok(mesh)
 }
 
+/// Names of the properties of a colour.
+const COLOURS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]];
+
+fn listed([r, g, b]: &[&str; 3]) -> String {
+    format!("{r}, {g} and {b}")
+}
+
 /// Indices of the properties of a vertex.
 struct VertexLayout {
     position: [usize; 3],
@@ -66,20 +74,22 @@ impl VertexLayout {
             });
         };
         let mut layout = Self { position: [x, y, z], colour: None, encoded: false };
-        let colour = ["red", "green", "blue"].map(scalar);
-        if let [Some(r), Some(g), Some(b)] = colour {
+        let complete = |names: &[&'static str; 3]| names.iter().all(|name| scalar(name).is_some());
+        let partial = |names: &&[&'static str; 3]| names.iter().any(|name| scalar(name).is_some());
+        if let Some(names) = COLOURS.iter().find(|names| complete(names)) {
+            let [r, g, b] = names.map(|name| scalar(name).unwrap_or_default());
             layout.colour = Some([r, g, b]);
             let kinds = [r, g, b].map(|k| element.properties[k].kind);
             layout.encoded = kinds == [Kind::Scalar(Scalar::U8); 3];
             let float = |kind| matches!(kind, Kind::Scalar(Scalar::F32 | Scalar::F64));
             if !layout.encoded && !kinds.into_iter().all(float) {
                 let line = element.properties[r].line;
-                let found = "red, green and blue have other types";
+                let found = format!("{} have other types", listed(names));
                 let allowed = "all three uchar, or all float or double";
                 return Err(FormatError::at_line(line, "colour", found, allowed).problem());
             }
-        } else if colour != [None; 3] {
-            let found = "only some of red, green and blue";
+        } else if let Some(names) = COLOURS.iter().find(partial) {
+            let found = format!("only some of {}", listed(names));
             return Err(FormatError::at_line(element.line, "vertex", found, "all three or none").problem());
         }
         Ok(layout)

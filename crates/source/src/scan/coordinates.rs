@@ -2,8 +2,13 @@
 //! in appearance.
 //!
 //! The half vector's polar angle enters as `x = 0.63 ln(1 + θh / 0.12)`: steps near the mirror direction have more
-//! weight. The difference vector enters as `y = θd` and `z = r φd`, where `r = 0.20 θh / (θh + 0.01) · s / (s + 0.03)`,
-//! `s = sin θd`, shrinks the azimuth to zero where it is undefined (`θh = 0`, `θd = 0`).
+//! weight. The difference vector enters as `y = θd` and `z = r φd`, where `r = 0.20 s / (s + 0.03)`, `s = sin θd`, shrinks
+//! the azimuth to zero where it is undefined (`θd = 0`).
+//!
+//! `φh` and `φd` have a pole at the mirror direction (`θh = 0`). The values of an isotropic material do not depend on `φd`
+//! there, so that `r` also has the factor `θh / (θh + 0.01)`. An anisotropic material keeps the azimuth `ψ = φh + φd` instead
+//! of `φd`: that of the difference vector after the shortest rotation from the half vector to the normal. It is continuous
+//! at the pole, where it is the azimuth of the light.
 //!
 //! Every row also represents its reciprocal, [`RECIPROCAL_DISTANCE`] away along one more axis. Real scans are not
 //! reciprocal to within their noise (values at 80 degrees of incidence and their reciprocals differ by up to a factor
@@ -32,6 +37,8 @@ struct Angles {
     theta_d: f64,
     /// Scale of the difference azimuth.
     r: f64,
+    /// The same for isotropic materials, 0 at the mirror direction.
+    r_isotropic: f64,
     /// Difference azimuth, `(-π, π]`.
     phi_d: f64,
 }
@@ -53,8 +60,21 @@ impl Angles {
             x: 0.63 * (theta_h / 0.12).ln_1p(),
             azimuth,
             theta_d: s.atan2(length / 2.0),
-            r: 0.20 * theta_h / (theta_h + 0.01) * s / (s + 0.03),
+            r: 0.20 * s / (s + 0.03),
+            r_isotropic: 0.20 * theta_h / (theta_h + 0.01) * s / (s + 0.03),
             phi_d: if u.hypot(v) < TINY { 0.0 } else { v.atan2(u) },
+        }
+    }
+
+    /// Azimuth of the difference vector after the shortest rotation from the half vector to the normal, `(-π, π]`.
+    fn psi(&self) -> f64 {
+        let psi = self.phi_d + self.azimuth[1].atan2(self.azimuth[0]);
+        if psi > PI {
+            psi - TAU
+        } else if psi <= -PI {
+            psi + TAU
+        } else {
+            psi
         }
     }
 }
@@ -63,6 +83,10 @@ impl Angles {
 pub trait Space<const D: usize, const S: usize> {
     /// Coordinates of a pair; all symmetric pairs except the reciprocal one have the same.
     fn place(pair: DirectionPair) -> [f64; D];
+
+    /// Numbers of 1 or less that are equal for pairs that the material's symmetries identify, except for the reciprocal
+    /// one, and differ for others. They have no pole.
+    fn identity(pair: DirectionPair) -> [f64; 6];
 
     /// Positions of a row in the search space, the row itself first: images across the ends of the azimuth's fold, so
     /// that neighbours are found there, and the reciprocals of all of them.
@@ -76,7 +100,13 @@ pub struct Isotropic;
 impl Space<3, 4> for Isotropic {
     fn place(pair: DirectionPair) -> [f64; 3] {
         let a = Angles::of(pair);
-        [a.x, a.theta_d, a.r * a.phi_d.abs()]
+        [a.x, a.theta_d, a.r_isotropic * a.phi_d.abs()]
+    }
+
+    /// Sines and cosines of the polar angles, and products of the projected directions.
+    fn identity(pair: DirectionPair) -> [f64; 6] {
+        let ([ix, iy, iz], [ox, oy, oz]) = (pair.incoming, pair.outgoing);
+        [ix.hypot(iy), iz, ox.hypot(oy), oz, ix * ox + iy * oy, (ix * oy - iy * ox).abs()]
     }
 
     fn images(pair: DirectionPair) -> Vec<[f64; 4]> {
@@ -87,7 +117,7 @@ impl Space<3, 4> for Isotropic {
             for (k, image) in [phi_d, -phi_d, TAU - phi_d].into_iter().enumerate() {
                 let new = k == 0 || (image - phi_d).abs() > 1e-4 && image > -BEYOND && image < PI + BEYOND;
                 if new {
-                    images.push([a.x, a.theta_d, a.r * image, distance]);
+                    images.push([a.x, a.theta_d, a.r_isotropic * image, distance]);
                 }
             }
         }
@@ -95,22 +125,29 @@ impl Space<3, 4> for Isotropic {
     }
 }
 
-/// `(x cos φh, x sin φh, y, z)` of a material without symmetry, `φd` in `(-π, π]`.
+/// `(x cos φh, x sin φh, y, z)` of a material without symmetry, `ψ` in `(-π, π]` for `φd`.
 pub struct Anisotropic;
 
 impl Space<4, 5> for Anisotropic {
     fn place(pair: DirectionPair) -> [f64; 4] {
         let a = Angles::of(pair);
-        [a.x * a.azimuth[0], a.x * a.azimuth[1], a.theta_d, a.r * a.phi_d]
+        [a.x * a.azimuth[0], a.x * a.azimuth[1], a.theta_d, a.r * a.psi()]
+    }
+
+    /// Both directions.
+    fn identity(pair: DirectionPair) -> [f64; 6] {
+        let ([ix, iy, iz], [ox, oy, oz]) = (pair.incoming, pair.outgoing);
+        [ix, iy, iz, ox, oy, oz]
     }
 
     fn images(pair: DirectionPair) -> Vec<[f64; 5]> {
         let a = Angles::of(pair);
         let mut images = Vec::with_capacity(4);
-        let exchanged = if a.phi_d > 0.0 { a.phi_d - PI } else { a.phi_d + PI };
-        for (phi_d, distance) in [(a.phi_d, 0.0), (exchanged, RECIPROCAL_DISTANCE)] {
-            let around = if phi_d > 0.0 { phi_d - TAU } else { phi_d + TAU };
-            for image in [phi_d, around] {
+        let own = a.psi();
+        let exchanged = if own > 0.0 { own - PI } else { own + PI };
+        for (psi, distance) in [(own, 0.0), (exchanged, RECIPROCAL_DISTANCE)] {
+            let around = if psi > 0.0 { psi - TAU } else { psi + TAU };
+            for image in [psi, around] {
                 if image.abs() < PI + BEYOND {
                     images.push([a.x * a.azimuth[0], a.x * a.azimuth[1], a.theta_d, a.r * image, distance]);
                 }
@@ -150,6 +187,41 @@ mod tests {
             prop_assert!(near(&Isotropic::place(pair), &Isotropic::images(pair)[0][..3]));
             prop_assert!(near(&Anisotropic::place(pair), &Anisotropic::images(pair)[0][..4]));
             prop_assert_eq!(Isotropic::images(pair)[0][3], 0.0);
+        }
+
+        /// A light turns about the normal. Mirror directions are as far apart as pairs next to them; without anisotropy
+        /// they are one place.
+        #[test]
+        fn mirror_directions_keep_their_azimuth(polar in 0.2f64..1.5, turn in 0.1f64..3.0, first in -3.0f64..3.0) {
+            let at = |azimuth: f64, off: f64| DirectionPair::from_angles(polar, azimuth, polar + off, azimuth + PI);
+            let images = |pair: DirectionPair| Anisotropic::images(pair).into_iter().filter(|image| image[4] == 0.0);
+            let apart = |a: DirectionPair, b: DirectionPair| {
+                let place = Anisotropic::place(a);
+                let squares = |image: [f64; 5]| place.iter().zip(image).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+                images(b).map(|image| squares(image).sqrt()).fold(f64::INFINITY, f64::min)
+            };
+            let mirrored = apart(at(first, 0.0), at(first + turn, 0.0));
+            prop_assert!(mirrored > 0.15 * turn, "{mirrored}");
+            // Continuous across the pole.
+            for off in [1e-7, -1e-7] {
+                prop_assert!((apart(at(first, off), at(first + turn, -off)) - mirrored).abs() < 1e-5);
+                prop_assert!(apart(at(first, off), at(first, -off)) < 1e-5);
+            }
+            let places = [0.0, turn].map(|turn| Isotropic::place(at(first + turn, 0.0)));
+            prop_assert!(near(&places[0], &places[1]));
+        }
+
+        #[test]
+        fn identities_are_those_of_the_symmetries(ti in 0.0f64..1.5, to in 0.1f64..1.5, p in 0.1f64..3.0, turn in 0.1f64..6.0) {
+            let pair = DirectionPair::from_angles(ti, 0.0, to, p);
+            let turned = DirectionPair::from_angles(ti, turn, to, turn + p);
+            let mirrored = DirectionPair::from_angles(ti, 0.0, to, -p);
+            for other in [turned, mirrored] {
+                prop_assert!(near(&Isotropic::identity(pair), &Isotropic::identity(other)));
+                prop_assert!(!near(&Anisotropic::identity(pair), &Anisotropic::identity(other)));
+            }
+            let other = Isotropic::identity(DirectionPair::from_angles(ti + 1e-3, 0.0, to, p));
+            prop_assert!(!near(&Isotropic::identity(pair), &other));
         }
     }
 }

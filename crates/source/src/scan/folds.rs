@@ -1,5 +1,6 @@
 //! Cross-validation of scans: scans without some of their rows, and the distance of a direction pair from the rows.
 
+use super::merge::rounded;
 use super::rise::{polar, rise_to_mirror};
 use super::strength::Strength;
 use super::{Points, ScanSource, Tree};
@@ -13,7 +14,7 @@ use std::num::NonZero;
 
 /// Incidences that round to the same multiple of this angle are equal, degrees.
 const INCIDENCE: f64 = 1.0;
-/// Angles that round to the same multiple of this are equal, radians.
+/// Sines and cosines that round to the same multiple of this are equal.
 const SAME: f64 = 1e-5;
 /// Maximum difference of logarithms between a value and its copy, as opposed to a second measurement.
 const COPY: f64 = 1e-6;
@@ -56,19 +57,10 @@ impl ScanSource {
         (keys.iter().map(|key| numbers[key]).collect(), numbers.len())
     }
 
-    /// Rounded angles of a direction pair, equal for pairs that the material's symmetries identify.
-    fn place(&self, pair: DirectionPair) -> [i64; 4] {
-        let rounded = |radians: f64| (radians / SAME).round() as i64;
-        // At the pole every azimuth is the same direction.
-        let is_pole = |direction| polar(direction) < SAME;
-        let azimuth = |[x, y, z]: [f64; 3]| if is_pole([x, y, z]) { 0.0 } else { y.atan2(x) };
-        let [light, view] = [pair.incoming, pair.outgoing];
-        if self.summary.isotropic {
-            let turns = (azimuth(view) - azimuth(light)).rem_euclid(TAU);
-            let turns = if is_pole(light) || is_pole(view) { 0.0 } else { turns };
-            return [rounded(polar(light)), rounded(polar(view)), rounded(turns.min(TAU - turns)), 0];
-        }
-        [polar(light), azimuth(light), polar(view), azimuth(view)].map(rounded)
+    /// Rounded identity of a direction pair, equal for pairs that the material's symmetries identify.
+    fn place(&self, pair: DirectionPair) -> [i64; 6] {
+        let identity = if self.summary.isotropic { Isotropic::identity(pair) } else { Anisotropic::identity(pair) };
+        rounded(identity, SAME)
     }
 
     fn nearest<const D: usize, const S: usize, P: Space<D, S>>(

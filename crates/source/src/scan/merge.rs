@@ -1,7 +1,12 @@
 //! Merges rows that measured the same direction pair.
 
-/// Positions closer than this, per coordinate, are repeated measurements of one direction pair.
-const SAME_POSITION: f64 = 1e-6;
+/// Coordinates that round to the same multiple of this are equal.
+const SAME: f64 = 1e-6;
+
+/// Coordinates in units of a step.
+pub fn rounded<const N: usize>(coordinates: [f64; N], step: f64) -> [i64; N] {
+    coordinates.map(|c| (c / step).round() as i64)
+}
 
 /// Rows of one direction pair.
 pub struct Group {
@@ -42,16 +47,20 @@ impl Group {
     }
 }
 
-/// Groups rows of (almost) equal position, in the order of positions.
-pub fn merge<const D: usize>(positions: &[[f64; D]], values: &[[f64; 3]]) -> Vec<Group> {
-    let key = |row: usize| positions[row].map(|c| (c / SAME_POSITION).round() as i64);
-    let mut order: Vec<usize> = (0..positions.len()).collect();
-    order.sort_by_key(|row| (key(*row), *row));
+/// Groups rows of (almost) equal identity, in the order of their positions.
+pub fn merge<const D: usize, const N: usize>(
+    identities: &[[f64; N]],
+    positions: &[[f64; D]],
+    values: &[[f64; 3]],
+) -> Vec<Group> {
+    let identity = |row: usize| rounded(identities[row], SAME);
+    let mut order: Vec<usize> = (0..identities.len()).collect();
+    order.sort_by_key(|row| (identity(*row), *row));
     let mut groups: Vec<Group> = Vec::new();
     for row in order {
         let value = values[row];
         match groups.last_mut() {
-            Some(group) if key(group.representative) == key(row) => {
+            Some(group) if identity(group.representative) == identity(row) => {
                 group.count += 1.0;
                 for channel in 0..3 {
                     group.sum[channel] += value[channel];
@@ -62,5 +71,6 @@ pub fn merge<const D: usize>(positions: &[[f64; D]], values: &[[f64; 3]]) -> Vec
             _ => groups.push(Group { representative: row, sum: value, lowest: value, highest: value, count: 1.0 }),
         }
     }
+    groups.sort_by_key(|group| (rounded(positions[group.representative], SAME), group.representative));
     groups
 }

@@ -337,7 +337,8 @@ fn entries<const D: usize, const S: usize, P: Space<D, S>>(
     values: &[[f64; 3]],
 ) -> (Entries<S>, Vec<Group>) {
     let places: Vec<[f64; D]> = pairs.iter().map(|pair| P::place(*pair)).collect();
-    let groups = merge(&places, values);
+    let identities: Vec<[f64; 6]> = pairs.iter().map(|pair| P::identity(*pair)).collect();
+    let groups = merge(&identities, &places, values);
     let entries = groups
         .iter()
         .zip(0u32..)

@@ -6,6 +6,7 @@ mod flat_btf_files;
 mod gonio_held_out;
 mod image_files;
 mod large_files;
+mod mirror_azimuth;
 mod noisy_scans;
 mod noisy_tables;
 mod rgl_corrupt;

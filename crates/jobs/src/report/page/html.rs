@@ -233,13 +233,16 @@ fn section(material: &PageMaterial, view: Option<&ViewLink>) -> Markup {
 /// Cross-validation errors of a fit to samples.
 fn fit_summary(fit: &FitError) -> Markup {
     let or_unknown = |error: Option<f64>| error.map_or("unknown".to_owned(), percent);
+    let gaps = [(fit.ball, "the ball's pixels"), (fit.test_directions, "the test directions")];
+    let gaps = gaps.map(|(gaps, pairs)| {
+        format!("{:.0}° at {pairs}, and farther than {COVERED}° at {} of them", gaps.farthest, percent(gaps.uncovered))
+    });
     html! {
         p {
             "Fitted to samples: ε_r " (or_unknown(fit.samples)) " at held-out samples, " (or_unknown(fit.incidences))
             " at held-out incidences"
             @if let Some(delta_e) = fit.delta_e { ", about ΔE " (format!("{delta_e:.2}")) " on the ball" }
-            ". Lights and viewers are up to " (format!("{:.0}°", fit.farthest)) " from the nearest sample, and farther than "
-            (COVERED) "° at " (percent(fit.uncovered)) " of the ball's pixels."
+            ". Angles of lights and viewers from the nearest sample: up to " (gaps.join("; up to ")) "."
         }
     }
 }

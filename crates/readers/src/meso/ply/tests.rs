@@ -47,6 +47,27 @@ fn other_elements_and_properties_are_skipped() {
     assert!((mesh.colours[0][2] - 0.215_861).abs() < 1e-6, "128 of sRGB");
 }
 
+/// Programs name the properties of a colour differently.
+#[test]
+fn colours_have_several_names() {
+    let file = |[r, g, b]: [&str; 3]| {
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property uchar {r}\nproperty uchar {g}\nproperty uchar {b}\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n"
+        );
+        from_bytes(text.as_bytes())
+    };
+    let expected = file(["red", "green", "blue"]).unwrap().colours;
+    assert_eq!(expected[1], [0.0, 1.0, 0.0]);
+    for names in [["diffuse_red", "diffuse_green", "diffuse_blue"], ["r", "g", "b"]] {
+        assert_eq!(file(names).unwrap().colours, expected, "{names:?}");
+    }
+    assert_eq!(file(["nx", "ny", "nz"]).unwrap().colours, Vec::<[f32; 3]>::new());
+    let some = file(["diffuse_red", "diffuse_green", "depth"]).unwrap_err().to_string();
+    assert!(some.contains("only some of diffuse_red, diffuse_green and diffuse_blue"), "{some}");
+}
+
 /// A file with every type, in the byte order of `bytes`.
 fn binary(order: &str, bytes: fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     let mut file = format!(

@@ -1,0 +1,193 @@
+//! Scans that do not determine their material, and limits of every codec: none is met, because all codecs share the checks.
+
+use brdfc::{DirectionPair, Tally};
+use brdfc_testing::program::Folder;
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+/// Codecs with the options that choose them.
+const CODECS: [&[&str]; 5] = [
+    &["--codec", "table"],
+    &["--codec", "factored"],
+    &["--codec", "wavelet", "--grid", "8"],
+    &["--codec", "lobes"],
+    &[],
+];
+
+/// Limits that any pack of a believable scan meets: ΔE and `ε_r`.
+const LOOSE: [&str; 2] = ["90", "9"];
+/// Limits below the error of a fit to noise.
+const TIGHT: [&str; 2] = ["0.5", "2%"];
+
+/// A scan that cannot be believed.
+struct Kind {
+    model: &'static str,
+    /// Number of incidences.
+    incidences: usize,
+    /// Returns true for direction pairs that are measured.
+    measured: fn(DirectionPair) -> bool,
+    /// Relative noise of the rows.
+    noise: f64,
+    /// Factor of the repeated copy of each row.
+    repeated: Option<f64>,
+    /// Limits of ΔE and `ε_r`; `None` for a limit of the error of the fit.
+    limits: Option<[&'static str; 2]>,
+    /// Part of the message.
+    expected: &'static str,
+    /// True if `--trust-fit` accepts the scan.
+    can_be_trusted: bool,
+}
+
+const DENSE: Kind = Kind {
+    model: "synth:ggx?kd=0.3,0.1,0.05&alpha=0.4",
+    incidences: 10,
+    measured: |_| true,
+    noise: 0.0,
+    repeated: None,
+    limits: Some(LOOSE),
+    expected: "",
+    can_be_trusted: true,
+};
+
+fn has_mirror_gap(pair: DirectionPair) -> bool {
+    let half = [0, 1, 2].map(|axis| pair.incoming[axis] + pair.outgoing[axis]);
+    half[0].hypot(half[1]).atan2(half[2]) > 0.07
+}
+
+impl Kind {
+    fn csv(&self) -> String {
+        let model = brdfc::open(self.model).expect("a model");
+        let mut text = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n".to_owned();
+        let (viewers, azimuths) = (13, 19);
+        let step = |k: usize, count: usize| 1.52 * k as f64 / (count - 1) as f64;
+        let mut seed = 7u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 40) as f64 / f64::from(1 << 23) - 1.0
+        };
+        for light in 0..self.incidences {
+            let theta_i = if self.incidences == 1 { 0.6 } else { step(light, self.incidences) };
+            for (viewer, azimuth) in (0..viewers).flat_map(|viewer| (0..azimuths).map(move |azimuth| (viewer, azimuth)))
+            {
+                let phi = PI * azimuth as f64 / (azimuths - 1) as f64;
+                let pair = DirectionPair::from_angles(theta_i, 0.0, step(viewer, viewers), phi);
+                if !(self.measured)(pair) {
+                    continue;
+                }
+                let factor = 1.0 + self.noise * random();
+                let value = model.source().eval(pair, &mut Tally::default()).map(|f| f * factor);
+                for times in [Some(1.0), self.repeated].into_iter().flatten() {
+                    let ([ix, iy, iz], [ox, oy, oz], [r, g, b]) =
+                        (pair.incoming, pair.outgoing, value.map(|f| times * f));
+                    writeln!(text, "{ix},{iy},{iz},{ox},{oy},{oz},{r},{g},{b}").expect("memory");
+                }
+            }
+        }
+        text
+    }
+
+    /// Encodes the scan by each codec. `fails` is the expected outcome.
+    fn check(&self, fails: bool) {
+        let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+        folder.write("scan.csv", self.csv());
+        let mut wrong = Vec::new();
+        for codec in CODECS {
+            let limits: Vec<&str> = match self.limits {
+                None => vec!["--max-fit-error", "9"],
+                Some([delta_e, _]) if codec.contains(&"lobes") => vec!["--max-delta-e", delta_e],
+                Some([_, error]) if codec.contains(&"wavelet") => vec!["--max-error", error],
+                Some([delta_e, error]) => vec!["--max-delta-e", delta_e, "--max-error", error],
+            };
+            let run = |more: &[&str]| {
+                folder.run(&[&["encode", "scan.csv", "-o", "pack.ktx2"], codec, &limits[..], more].concat())
+            };
+            let ran = run(&[]);
+            if ran.code != i32::from(fails) || !ran.stderr.contains(self.expected) {
+                wrong.push(format!("{codec:?}: {} {}", ran.code, ran.stderr));
+            }
+            // The error of the pack alone may miss tight limits.
+            let trusted =
+                if self.limits == Some(TIGHT) { run(&["--trust-fit"]).code.min(0) } else { run(&["--trust-fit"]).code };
+            if trusted != i32::from(!self.can_be_trusted) {
+                wrong.push(format!("{codec:?} --trust-fit: {trusted}"));
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+}
+
+/// One test per row.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $name:ident: $kind:expr;)*) => {
+        $($(#[$doc])* #[test] fn $name() { $kind.check(true); })*
+    };
+}
+
+kinds! {
+    black: Kind { model: "synth:lambert?kd=0", expected: "black", can_be_trusted: false, ..DENSE };
+    one_incidence: Kind { incidences: 1, expected: "are more than 10° from any sample", ..DENSE };
+    /// No light and viewer more than 90° apart.
+    gaps_beyond_the_ball: Kind {
+        measured: |pair| (0..3).map(|axis| pair.incoming[axis] * pair.outgoing[axis]).sum::<f64>() >= 0.0,
+        expected: "of the test directions, over which",
+        ..DENSE
+    };
+    noise: Kind { noise: 0.9, limits: Some(TIGHT), expected: "against the material", ..DENSE };
+    narrow_highlight: Kind {
+        model: "synth:ggx?kd=0.05&alpha=0.04",
+        measured: has_mirror_gap,
+        expected: "narrower than the samples resolve",
+        ..DENSE
+    };
+    repeats: Kind { repeated: Some(100.0), expected: "repeated samples of", ..DENSE };
+    extrapolated: Kind {
+        measured: |pair| pair.incoming[2] > 0.5 && pair.outgoing[2] > 0.5,
+        limits: None,
+        expected: "extrapolated: ",
+        ..DENSE
+    };
+}
+
+/// Flat BTFs of such materials fail as their packs do.
+#[test]
+fn flat_btfs_share_the_checks() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    folder.write("one.csv", Kind { incidences: 1, ..DENSE }.csv());
+    let flatten = |material: &str, more: &[&str]| {
+        let small = ["--texels", "16", "--views", "grid:2x6@50", "--max-delta-e", "50"];
+        let input = ["flatten", "synth:folds?resolution=24", "-o", "out", "--material", material];
+        folder.run(&[&input[..], &small, more].concat())
+    };
+    let black = flatten("synth:lambert?kd=0", &[]);
+    assert!(black.code == 1 && black.stderr.contains("--max-delta-e: no light: the material is black"), "{black:?}");
+    let one = flatten("one.csv", &[]);
+    assert!(one.code == 1 && one.stderr.contains("one.csv: fit: no reliable fit: "), "{one:?}");
+    flatten("one.csv", &["--trust-fit"]).succeeded();
+    flatten("synth:lambert", &[]).succeeded();
+}
+
+/// A table in MERL's layout cannot hold the two values of exchanged directions.
+#[test]
+fn conversions_say_what_they_lose() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    folder.write("noisy.csv", Kind { noise: 0.9, ..DENSE }.csv());
+    let convert = |input: &str, more: &[&str]| {
+        folder.run(&[&["convert", input, "-o", "table.binary", "--dimensions", "45x45x90"], more].concat())
+    };
+    let lost = convert("noisy.csv", &["--smooth", "false"]).succeeded();
+    assert!(lost.stderr.contains("the file differs from its source by a mean ΔE of "), "{lost:?}");
+    let missed = convert("noisy.csv", &["--smooth", "false", "--max-delta-e", "0.5", "--trust-fit"]);
+    assert!(missed.code == 1 && missed.stderr.contains("--max-delta-e: found a mean of "), "{missed:?}");
+    assert_eq!(folder.files(".").len(), 2, "the file is written");
+    let black = convert("synth:lambert?kd=0", &["--max-error", "10%"]);
+    assert!(black.code == 1 && black.stderr.contains("--max-error: no sample above the floor"), "{black:?}");
+    let good = convert("synth:ggx?alpha=0.4", &["--max-delta-e", "1", "--max-error", "20%"]).succeeded();
+    assert!(!good.stderr.contains("differs"), "{good:?}");
+}
+
+/// The control: a dense scan meets the same limits.
+#[test]
+fn dense_scans_are_believed() {
+    DENSE.check(false);
+    Kind { limits: None, ..DENSE }.check(false);
+}
