@@ -19,7 +19,7 @@ const MAX_ENTRIES: usize = 1 << 20;
 pub struct BtfStack {
     folder: PathBuf,
     index: StackIndex,
-    common: Common,
+    common: Box<Common>,
     codes: Option<CodeValues>,
 }
 
@@ -47,7 +47,7 @@ impl BtfStack {
         let mut index = StackIndex::new(&paths).map_err(|error| InputError::format(folder, error))?;
         (index.views.name, index.lights.name) = ("of the images".to_owned(), "of the images".to_owned());
         let common = common_of(folder, &index.files, codes)?;
-        Ok(Self { folder: folder.to_owned(), index, common, codes })
+        Ok(Self { folder: folder.to_owned(), index, common: Box::new(common), codes })
     }
 
     /// Directions to the viewer.

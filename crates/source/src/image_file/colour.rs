@@ -106,7 +106,14 @@ type Matrix = [[f64; 3]; 3];
 enum Conversion {
     Srgb,
     Linear,
-    Curves { curves: [Curve; 3], matrix: Option<Matrix> },
+    Curves(Box<Curves>),
+}
+
+/// Curves of the channels, and the matrix after them.
+#[derive(Debug, Clone, PartialEq)]
+struct Curves {
+    curves: [Curve; 3],
+    matrix: Option<Matrix>,
 }
 
 /// Colour of the code values of a file.
@@ -119,7 +126,7 @@ pub struct Colour {
 impl fmt::Display for Colour {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.conversion {
-            Conversion::Curves { .. } => write!(f, "{}, converted to linear Rec. 709", self.stated),
+            Conversion::Curves(_) => write!(f, "{}, converted to linear Rec. 709", self.stated),
             Conversion::Srgb | Conversion::Linear => f.write_str(&self.stated),
         }
     }
@@ -199,7 +206,7 @@ impl Colour {
         let conversion = match () {
             () if all(Curve::SRGB) => Conversion::Srgb,
             () if all(Curve::LINEAR) => Conversion::Linear,
-            () => Conversion::Curves { curves, matrix },
+            () => Conversion::Curves(Box::new(Curves { curves, matrix })),
         };
         let stated = match conversion {
             Conversion::Srgb if !stated.contains("sRGB") => format!("{stated}, sRGB"),
@@ -249,9 +256,9 @@ impl Colour {
         match &self.conversion {
             Conversion::Srgb => codes.map(decode_srgb),
             Conversion::Linear => codes,
-            Conversion::Curves { curves, matrix } => {
-                let linear = std::array::from_fn(|c| curves[c].eval(codes[c]));
-                matrix.as_ref().map_or(linear, |matrix| transform(matrix, linear))
+            Conversion::Curves(of) => {
+                let linear = std::array::from_fn(|c| of.curves[c].eval(codes[c]));
+                of.matrix.as_ref().map_or(linear, |matrix| transform(matrix, linear))
             }
         }
     }
@@ -259,9 +266,9 @@ impl Colour {
     /// sRGB levels of 16 bits of codes up to `white`.
     fn levels<T: Copy + Sync + Into<u16>>(&self, codes: &[T], channels: usize, white: u16) -> Pixels {
         let level = |linear: f64| (65535.0 * encode_srgb(linear)).round() as u16;
-        let matrix = if let Conversion::Curves { matrix, .. } = &self.conversion { matrix.as_ref() } else { None };
+        let matrix = if let Conversion::Curves(of) = &self.conversion { of.matrix.as_ref() } else { None };
         let curve = |c: usize, code: f64| match &self.conversion {
-            Conversion::Curves { curves, .. } => curves[c].eval(code),
+            Conversion::Curves(of) => of.curves[c].eval(code),
             _ => self.linear_of([code; 3])[c],
         };
         let linear: [Vec<f64>; 3] =

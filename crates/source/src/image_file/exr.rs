@@ -13,6 +13,7 @@ use exr::meta::BlockDescription;
 use exr::meta::attribute::{ChannelDescription, SampleType};
 use exr::meta::header::Header as Part;
 use exr::prelude::{MetaData, Vec2, f16};
+use std::collections::BTreeMap;
 use std::io::{BufRead, Seek};
 
 /// Maximum size of a block (a tile or a few lines with all channels) before compression, bytes: the decoder holds whole
@@ -114,87 +115,80 @@ fn open(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<(Vec<Part>, Laye
     Ok((parts, layer))
 }
 
-/// Layers of a file: the names of channels up to the last point, or for those without the name of the part if there are several.
-fn layers(parts: &[Part]) -> Vec<(usize, String, Vec<(String, usize)>)> {
-    let mut layers: Vec<(usize, String, Vec<(String, usize)>)> = Vec::new();
+/// Channels of one name up to the last point.
+struct Group {
+    part: usize,
+    /// Name, after that of the part if there are several; empty without both.
+    name: String,
+    /// Names after the last point, and indices in the part.
+    channels: Vec<(String, usize)>,
+}
+
+impl Group {
+    fn channel(&self, wanted: &str) -> Option<usize> {
+        self.channels.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map(|(_, index)| *index)
+    }
+}
+
+fn groups(parts: &[Part]) -> Vec<Group> {
+    let mut groups: BTreeMap<(usize, String), Vec<(String, usize)>> = BTreeMap::new();
     for (number, part) in parts.iter().enumerate() {
         for (index, channel) in part.channels.list.iter().enumerate() {
             let name = channel.name.to_string();
-            let (layer, suffix) = name.rsplit_once('.').unwrap_or(("", &name));
-            let same = |(at, other, _): &&mut (usize, String, _)| (*at, other.as_str()) == (number, layer);
-            match layers.iter_mut().rev().find(same) {
-                Some((_, _, channels)) => channels.push((suffix.to_owned(), index)),
-                None => layers.push((number, layer.to_owned(), vec![(suffix.to_owned(), index)])),
-            }
+            let (of, suffix) = name.rsplit_once('.').unwrap_or(("", &name));
+            groups.entry((number, of.to_owned())).or_default().push((suffix.to_owned(), index));
         }
     }
-    for (number, name, _) in &mut layers {
-        let part = parts[*number].own_attributes.layer_name.as_ref().filter(|_| parts.len() > 1);
-        if let Some(part) = part {
-            *name = if name.is_empty() { part.to_string() } else { format!("{part}.{name}") };
-        }
-    }
-    layers
+    let group = |((part, of), channels): ((usize, String), Vec<(String, usize)>)| {
+        let parent = parts[part].own_attributes.layer_name.as_ref().filter(|_| parts.len() > 1);
+        let names = parent.map(|name| name.to_string()).into_iter().chain([of]);
+        let name = names.filter(|name| !name.is_empty()).collect::<Vec<_>>().join(".");
+        Group { part, name, channels }
+    };
+    groups.into_iter().map(group).collect()
 }
 
-/// Chooses the layer of R, G and B, or of Y: that without a name, or the only one.
-fn colours(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
-    let all = layers(parts);
-    let found: Vec<Layer> = all
-        .iter()
-        .filter_map(|(part, name, channels)| {
-            let index = |wanted: &str| channels.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map(|c| c.1);
-            let rgb: Option<Vec<usize>> = ["R", "G", "B"].iter().map(|name| index(name)).collect();
-            // Luminance with chroma is no grey.
-            let grey = || index("Y").filter(|_| index("RY").is_none() && index("BY").is_none()).map(|y| vec![y]);
-            rgb.or_else(grey).map(|channels| Layer { part: *part, name: name.clone(), channels })
-        })
-        .collect();
-    let unnamed = found.iter().position(|layer| layer.name.is_empty());
-    let names = |layers: &[Layer]| layers.iter().map(|layer| layer.name.clone()).collect::<Vec<_>>();
-    match (found.len(), unnamed) {
-        (0, _) => {
-            let names: Vec<String> =
-                parts.iter().flat_map(|part| &part.channels.list).map(|c| c.name.to_string()).collect();
-            Err(ask.found(format!("channels {}", join_truncated(&names, MAX_NAMED))))
-        }
-        (1, _) | (_, Some(_)) => Ok(found.into_iter().nth(unnamed.unwrap_or(0)).expect("a layer")),
-        _ => {
-            let found = format!("layers {}", join_truncated(&names(&found), MAX_NAMED));
-            Err(FormatError::whole("EXR", found, "one layer of colours, or one without a name"))
-        }
+/// Takes the layer without a name, or the only one; `None` without layers.
+fn one_of(mut layers: Vec<Layer>, of: &str) -> Option<Result<Layer, FormatError>> {
+    let unnamed = layers.iter().position(|layer| layer.name.is_empty());
+    if layers.len() > 1 && unnamed.is_none() {
+        let names: Vec<&String> = layers.iter().map(|layer| &layer.name).collect();
+        let found = format!("layers {}", join_truncated(&names, MAX_NAMED));
+        return Some(Err(FormatError::whole("EXR", found, format!("one layer of {of}, or one without a name"))));
     }
+    (!layers.is_empty()).then(|| Ok(layers.swap_remove(unnamed.unwrap_or(0))))
+}
+
+/// Chooses the layer of R, G and B, or of Y.
+fn colours(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
+    let of = |group: Group| {
+        let rgb: Option<Vec<usize>> = ["R", "G", "B"].iter().map(|name| group.channel(name)).collect();
+        // Luminance with chroma is no grey.
+        let is_grey = group.channel("RY").is_none() && group.channel("BY").is_none();
+        let grey = group.channel("Y").filter(|_| is_grey).map(|y| vec![y]);
+        rgb.or(grey).map(|channels| Layer { part: group.part, name: group.name, channels })
+    };
+    let found = groups(parts).into_iter().filter_map(of).collect();
+    one_of(found, "colours").unwrap_or_else(|| Err(ask.found(channel_names(parts))))
 }
 
 /// Chooses the channel of heights: Y, else R, else the only one.
 fn heights(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
-    let all = layers(parts);
-    let pick = |wanted: &str| {
-        let of = all.iter().map(|(part, name, channels)| (part, name, channels.iter().find(|one| one.0 == wanted)));
-        let mut found: Vec<_> = of.filter_map(|(part, name, channel)| Some((*part, name, channel?.1))).collect();
-        found.sort_by_key(|(_, name, _)| !name.is_empty());
-        found
-    };
+    let all = groups(parts);
+    let layer = |group: &Group, channel| Layer { part: group.part, name: group.name.clone(), channels: vec![channel] };
+    let of = |wanted: &str| all.iter().filter_map(|group| Some(layer(group, group.channel(wanted)?))).collect();
     let single = match &all[..] {
-        [(part, name, channels)] if channels.len() == 1 => vec![(*part, name, channels[0].1)],
+        [group] if group.channels.len() == 1 => vec![layer(group, group.channels[0].1)],
         _ => Vec::new(),
     };
-    for found in [pick("Y"), pick("R"), single] {
-        match &found[..] {
-            [] => {}
-            [(part, name, channel), rest @ ..] if rest.is_empty() || name.is_empty() => {
-                return Ok(Layer { part: *part, name: (*name).clone(), channels: vec![*channel] });
-            }
-            _ => {
-                let names: Vec<&String> = found.iter().map(|(_, name, _)| *name).collect();
-                let found = format!("layers {}", join_truncated(&names, MAX_NAMED));
-                return Err(FormatError::whole("EXR", found, "one layer of heights, or one without a name"));
-            }
-        }
-    }
-    let names: Vec<String> = parts.iter().flat_map(|part| &part.channels.list).map(|c| c.name.to_string()).collect();
+    let found = [of("Y"), of("R"), single].into_iter().find_map(|layers| one_of(layers, "heights"));
     let allowed = "an EXR with a channel Y or R, or with one channel";
-    Err(FormatError::whole(ask.field, format!("channels {}", join_truncated(&names, MAX_NAMED)), allowed))
+    found.unwrap_or_else(|| Err(FormatError::whole(ask.field, channel_names(parts), allowed)))
+}
+
+fn channel_names(parts: &[Part]) -> String {
+    let names: Vec<String> = parts.iter().flat_map(|part| &part.channels.list).map(|c| c.name.to_string()).collect();
+    format!("channels {}", join_truncated(&names, MAX_NAMED))
 }
 
 pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {

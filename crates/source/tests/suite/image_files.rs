@@ -334,8 +334,8 @@ fn chunks_of_png_have_an_order() {
     let bt709 = |v: f64| if v < 0.081 { v / 4.5 } else { ((v + 0.099) / 1.099).powf(1.0 / 0.45) };
     let p3 = |v: [f64; 3]| Stated::P3.linear(v);
     let rec2020 = |v: [f64; 3]| to_rec709(v, [[0.708, 0.292], [0.17, 0.797], [0.131, 0.046]], D65);
-    type Linear<'a> = &'a dyn Fn([f64; 3]) -> [f64; 3];
-    let cases: [(&str, Vec<(&[u8; 4], Vec<u8>)>, Linear<'_>); 9] = [
+    type Case<'a> = (&'a str, Vec<(&'a [u8; 4], Vec<u8>)>, &'a dyn Fn([f64; 3]) -> [f64; 3]);
+    let cases: [Case<'_>; 9] = [
         ("gAMA", vec![linear.clone()], &|v| v),
         ("gAMA 1/2.2", vec![gama(0.45455)], &|v| v.map(|v| v.powf(1.0 / 0.45455))),
         ("gAMA, cHRM", vec![gama(0.45455), chrm(P3, D65)], &|v| to_rec709(v.map(|v| v.powf(1.0 / 0.45455)), P3, D65)),
@@ -508,8 +508,7 @@ fn exr_of(
     let [width, height] = data.1;
     let samples = |c: usize| (0..width * height).map(|at| value(c, [at % width, at / width])).collect();
     let list = channels.iter().enumerate().map(|(c, name)| AnyChannel::new(*name, FlatSamples::F32(samples(c))));
-    let mut attributes = LayerAttributes::default();
-    attributes.layer_position = Vec2(data.0[0], data.0[1]);
+    let attributes = LayerAttributes { layer_position: Vec2(data.0[0], data.0[1]), ..LayerAttributes::default() };
     let layer = Layer::new((width, height), attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(list.collect()));
     let window = IntegerBounds::new(Vec2(display.0[0], display.0[1]), Vec2(display.1[0], display.1[1]));
     let mut all = ImageAttributes::new(window);
