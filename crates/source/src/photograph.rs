@@ -26,7 +26,7 @@ const FORMATS: [ImageFormat; 4] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFor
 /// Row 0 is the top, y = 1: the centre of pixel (column, row) is at `((column + ½) / width, 1 - (row + ½) / height)`.
 pub type Image = FileImage<3>;
 
-/// What the headers of several photographs have in common.
+/// Common properties of the headers of several photographs.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Common {
     /// Width and height, 0 without photographs.
