@@ -71,7 +71,7 @@ fn fields_of_the_header() {
     let bytes = pack(&[]);
     let header = entry(&bytes, "brdfc.wavelet");
     for (field, value, expected) in [
-        (0, 2, "brdfc.wavelet version: found 2, expected 1"),
+        (0, 1, "brdfc.wavelet version: found 1, expected 2"),
         (1, 9, "parameterisation: found 9, expected 0 (tangent-pole) or 1"),
         (2, 0, "levels: found 0, expected 1 to 6"),
         (2, 3, "texture: found "),

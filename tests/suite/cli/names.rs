@@ -432,6 +432,6 @@ fn pipes_in_place_of_files_of_a_build_do_not_hang() {
         // The build makes the file again.
         folder.run(&["build", "synth:lambert", "--out", "packs", "--max-bytes", "1KiB"]).succeeded();
         folder.run(&["verify", "packs"]).succeeded();
-        assert_eq!(std::fs::read(&path).unwrap() == bytes, file != "report.json", "{file}");
+        assert!(std::fs::read(&path).unwrap() == bytes, "{file}");
     }
 }
