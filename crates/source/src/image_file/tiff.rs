@@ -78,7 +78,7 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
             let floats = samples.into_iter().map(|sample| sample as f32).collect();
             Samples::F32(interleaved(floats, planes, expected, ask)?)
         }
-        _ => return Err(ask.broken("samples of another type")),
+        _ => return Err(ask.found("a TIFF of signed integers, or of more than 16 bits")),
     };
     Ok(Raster { size, channels, samples })
 }
