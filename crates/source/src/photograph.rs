@@ -26,7 +26,7 @@ const FORMATS: [ImageFormat; 4] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFor
 /// Row 0 is the top, y = 1: the centre of pixel (column, row) is at `((column + ½) / width, 1 - (row + ½) / height)`.
 pub type Image = FileImage<3>;
 
-/// What the headers of several photographs have in common.
+/// Common properties of the headers of several photographs.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Common {
     /// Width and height, 0 without photographs.
@@ -66,7 +66,7 @@ pub(crate) fn read_pixels(path: &Path, size: [usize; 2], codes: Option<CodeValue
         let allowed = format!("{width} x {height}, the size when it was opened");
         return Err(wrong(FormatError::whole("image size", found, allowed)));
     }
-    let pixels = header.colour.pixels(raster);
+    let pixels = header.colour.pixels(raster).map_err(wrong)?;
     if let Pixels::Linear(pixels) = &pixels
         && let Some(at) = pixels.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite()))
     {

@@ -59,8 +59,8 @@ fn stacks_that_are_broken() {
     );
 }
 
-/// A TIFF of 4 x 4 grey floats.
-fn grey_float_tiff() -> Vec<u8> {
+/// A TIFF of 4 x 4 grey integers of 32 bits.
+fn grey_integer_tiff() -> Vec<u8> {
     let entries = [
         [256, 4],
         [257, 4],
@@ -71,7 +71,7 @@ fn grey_float_tiff() -> Vec<u8> {
         [277, 1],
         [278, 4],
         [279, 64],
-        [339, 3],
+        [339, 1],
     ];
     let entry =
         |[tag, value]: [u16; 2]| [tag.to_le_bytes(), [3, 0], [1, 0], [0, 0], value.to_le_bytes(), [0, 0]].concat();
@@ -88,10 +88,13 @@ fn photographs_that_are_broken() {
     for (bytes, expected) in [
         (&jpeg.into_inner()[..100], "a.png: image: Format error decoding Jpeg: "),
         (&png(4)[..60], "; expected a complete PNG, JPEG, TIFF or EXR image\n"),
-        (&grey_float_tiff(), "; expected a TIFF of 8 or 16 bits per channel, or of floats in RGB\n"),
+        (
+            &grey_integer_tiff(),
+            "found Uint of 32 bits (SampleFormat), expected grey or RGB of unsigned integers of 8 or 16",
+        ),
     ] {
         folder.write("s/a.png", bytes);
-        let message = refused(&folder, &["pwt", "s", "-o", "p.ktx2"], 3, &["brdfc: s/a.png: image: ", expected]);
+        let message = refused(&folder, &["pwt", "s", "-o", "p.ktx2"], 3, &["brdfc: s/a.png: ", expected]);
         assert_eq!(message.lines().count(), 1, "{message}");
     }
 }

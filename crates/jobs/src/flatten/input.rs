@@ -45,7 +45,7 @@ pub struct MesoOptions {
     pub weights: Option<Input>,
 }
 
-/// What an image states about its pixels, and what was done.
+/// Statements of an image about its pixels, and what was done.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct ImageFacts {
     /// Use of the image: `images`, `colour`, `weights` or `heights`.

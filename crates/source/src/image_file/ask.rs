@@ -1,4 +1,4 @@
-//! What a caller reads from a file, and the errors that name it.
+//! Requests of callers, and the errors that name what they read.
 
 use super::colour::CodeValues;
 use brdfc_core::words::one_line;
@@ -23,7 +23,7 @@ pub(crate) enum Purpose {
     Heights,
 }
 
-/// What a caller reads.
+/// Request of a caller: the use of the pixels, and valid files.
 pub(crate) struct Ask<'a> {
     pub purpose: Purpose,
     /// Field and valid values of errors.

@@ -125,8 +125,8 @@ struct Group {
 }
 
 impl Group {
-    fn channel(&self, wanted: &str) -> Option<usize> {
-        self.channels.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map(|(_, index)| *index)
+    fn channel(&self, label: &str) -> Option<usize> {
+        self.channels.iter().find(|(name, _)| name.eq_ignore_ascii_case(label)).map(|(_, index)| *index)
     }
 }
 
@@ -176,7 +176,7 @@ fn colours(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
 fn heights(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
     let all = groups(parts);
     let layer = |group: &Group, channel| Layer { part: group.part, name: group.name.clone(), channels: vec![channel] };
-    let of = |wanted: &str| all.iter().filter_map(|group| Some(layer(group, group.channel(wanted)?))).collect();
+    let of = |label: &str| all.iter().filter_map(|group| Some(layer(group, group.channel(label)?))).collect();
     let single = match &all[..] {
         [group] if group.channels.len() == 1 => vec![layer(group, group.channels[0].1)],
         _ => Vec::new(),

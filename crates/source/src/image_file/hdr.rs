@@ -17,7 +17,7 @@ const MAX_HEADER_BYTES: u64 = 1 << 20;
 /// Primaries and white of XYZ.
 const XYZ: [[f64; 2]; 4] = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
 
-/// What a header says.
+/// Statements of a header.
 struct Radiance {
     /// Width of the stored lines, and their number.
     stored: [usize; 2],

@@ -1,4 +1,4 @@
-//! What a file states about its pixels.
+//! Statements of a file about its pixels.
 
 use super::colour::Colour;
 use super::orientation::Orientation;
@@ -27,7 +27,7 @@ impl Header {
         }
     }
 
-    /// What the file states, and what was done.
+    /// Statements of the file, and what was done; the first is the colour.
     pub(crate) fn conversions(&self) -> Vec<String> {
         let turned = (!self.orientation.is_upright()).then(|| format!("orientation {}", self.orientation));
         [self.colour.to_string()].into_iter().chain(turned).chain(self.notes.iter().cloned()).collect()

@@ -6,6 +6,8 @@
 const MAX_STRAY_BYTES: usize = 8;
 /// Maximum number of scans of a file.
 const MAX_SCANS: usize = 1000;
+/// Maximum number of pixels, for which progressive files take up to 3 bits of memory each.
+const MAX_PIXELS: usize = 1 << 28;
 /// Bits that the table of a Huffman code resolves at once.
 const QUICK_BITS: u32 = 9;
 const DEFINE_HUFFMAN: u8 = 0xc4;
@@ -96,6 +98,9 @@ impl Scans {
             return Some(Err(format!("JPEG of {precision} bits")));
         }
         self.size = [[*w1, *w0], [*h1, *h0]].map(|side| usize::from(u16::from_be_bytes(side)));
+        if self.size[0] * self.size[1] > MAX_PIXELS {
+            return Some(Err(format!("JPEG of {} x {} pixels", self.size[0], self.size[1])));
+        }
         let parts = rest.as_chunks::<3>().0.get(..usize::from(*count))?;
         let sampling: Vec<[usize; 2]> =
             parts.iter().map(|part| [part[1] >> 4, part[1] & 15].map(usize::from)).collect();

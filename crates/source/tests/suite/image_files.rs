@@ -1,4 +1,4 @@
-//! What image files state about their pixels: formats by depth, colour, orientation, window, page and exposure, against
+//! Statements of image files about their pixels: formats by depth, colour, orientation, window, page and exposure, against
 //! independent formulas in f64; and files that lack pixels.
 
 use brdfc_source::Input;
