@@ -66,7 +66,7 @@ pub(crate) fn read_pixels(path: &Path, size: [usize; 2], codes: Option<CodeValue
         let allowed = format!("{width} x {height}, the size when it was opened");
         return Err(wrong(FormatError::whole("image size", found, allowed)));
     }
-    let pixels = header.colour.pixels(raster);
+    let pixels = header.colour.pixels(raster).map_err(wrong)?;
     if let Pixels::Linear(pixels) = &pixels
         && let Some(at) = pixels.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite()))
     {

@@ -59,7 +59,7 @@ fn read(
         let found = format!("{channels:?} at pixel ({}, {})", pixel % width, pixel / width);
         return Err(FormatError::whole(field, found, "finite values of 0 or more"));
     }
-    let mut pixels = header.colour.pixels(raster).into_linear();
+    let mut pixels = header.colour.linear_pixels(raster)?;
     // Colours outside the gamut of Rec. 709.
     pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
     Ok(RadianceImage { width, height, pixels, conversions: header.conversions() })

@@ -57,9 +57,7 @@ fn colours(file: InputFile<'_>) -> Result<FileImage<3>, InputError> {
     file.parse_within(MAX_BYTES, |bytes| {
         let (header, raster) = image_file::read(Cursor::new(bytes), &ask(Purpose::Colours(None)))?;
         let [width, height] = raster.size;
-        // The conversion does not return a lack of memory as an error.
-        drop(reserved::<[f32; 3]>("pixels", width * height)?);
-        let pixels = header.colour.pixels(raster).into_linear();
+        let pixels = header.colour.linear_pixels(raster)?;
         Ok(FileImage { width, height, pixels, conversions: header.conversions() })
     })
 }

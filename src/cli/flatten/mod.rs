@@ -26,7 +26,8 @@ pub struct Report {
     /// Contents and size of the asset.
     #[serde(flatten)]
     asset: FlatAsset,
-    /// Colour and other statements of the images that were read, and what was done.
+    /// Colour and other statements of the images that were read, and what was done; absent without images.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     read: Vec<ImageFacts>,
     /// Seconds from start to finish.
     seconds: f64,

@@ -227,9 +227,7 @@ fn images_of_a_stack_that_declare_too_much() {
         &folder,
         &["flatten", "s", "-o", "out"],
         3,
-        &[
-            "image size: found 2000000000 x 2000000000, expected 1 to 16384 along each side, and at most 160000000 pixels",
-        ],
+        &["image size: found 2000000000 x 2000000000, expected 1 to 16384"],
     );
     assert!(!message.contains("emory"), "{message}");
 }

@@ -3,8 +3,9 @@
 use super::raster::{Raster, Samples};
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
+use brdfc_formats::memory::reserved;
 use brdfc_readers::colour::{decode_srgb, encode_srgb};
-use brdfc_readers::pixels::Pixels;
+use brdfc_readers::pixels::{LINEAR_8, Pixels};
 use moxcms::{ColorProfile, DataColorSpace, Matrix3d, ParsingOptions, ProfileText, ToneReprCurve, XyY, adapt_to_d50_d};
 use rayon::prelude::*;
 use std::fmt;
@@ -234,22 +235,41 @@ impl Colour {
 
     /// Pixels of a raster. Integers outside the gamut of Rec. 709 are clipped; those that are not sRGB become sRGB levels
     /// of 16 bits.
-    pub(crate) fn pixels(&self, raster: Raster) -> Pixels {
+    ///
+    /// # Errors
+    /// Returns an error if there is not enough memory.
+    pub(crate) fn pixels(&self, raster: Raster) -> Result<Pixels, FormatError> {
         let channels = raster.channels;
-        match (raster.samples, self.is_srgb()) {
-            (Samples::U8(codes), true) => Pixels::Levels8(Arc::new(triples(&codes, channels).collect())),
-            (Samples::U16(codes), true) => Pixels::Levels16(Arc::new(triples(&codes, channels).collect())),
+        Ok(match (raster.samples, self.is_srgb()) {
+            (Samples::U8(codes), true) => Pixels::Levels8(Arc::new(collected(triples(&codes, channels))?)),
+            (Samples::U16(codes), true) => Pixels::Levels16(Arc::new(collected(triples(&codes, channels))?)),
             (Samples::U8(codes), false) => self.levels(&codes, channels, 255),
             (Samples::U16(codes), false) => self.levels(&codes, channels, 65535),
             (Samples::F32(codes), _) => {
                 let of = |codes: &[f32; 3]| self.linear_of(codes.map(f64::from)).map(|value| value as f32);
-                let mut pixels: Vec<[f32; 3]> = triples(&codes, channels).collect();
+                let mut pixels = collected(triples(&codes, channels))?;
                 if self.conversion != Conversion::Linear {
                     pixels.par_iter_mut().for_each(|pixel| *pixel = of(pixel));
                 }
                 pixels.into()
             }
-        }
+        })
+    }
+
+    /// Same as [`Self::pixels`], as linear values.
+    ///
+    /// # Errors
+    /// Same as [`Self::pixels`].
+    pub(crate) fn linear_pixels(&self, raster: Raster) -> Result<Vec<[f32; 3]>, FormatError> {
+        let pixels = match (&raster.samples, self.is_srgb()) {
+            // Levels would be one more copy.
+            (Samples::U8(codes), true) => {
+                let linear = |level: u8| LINEAR_8[usize::from(level)];
+                return collected(triples(codes, raster.channels).map(|codes| codes.map(linear)));
+            }
+            _ => self.pixels(raster)?,
+        };
+        Ok(pixels.into_linear())
     }
 
     fn linear_of(&self, codes: [f64; 3]) -> [f64; 3] {
@@ -284,8 +304,15 @@ impl Colour {
     }
 }
 
+/// Elements of an iterator of known length.
+fn collected<T>(values: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, FormatError> {
+    let mut all = reserved("pixels", values.len())?;
+    all.extend(values);
+    Ok(all)
+}
+
 /// Grey or RGB of each pixel, without alpha.
-fn triples<T: Copy>(codes: &[T], channels: usize) -> impl Iterator<Item = [T; 3]> {
+fn triples<T: Copy>(codes: &[T], channels: usize) -> impl ExactSizeIterator<Item = [T; 3]> {
     codes.chunks_exact(channels).map(move |c| if channels < 3 { [c[0]; 3] } else { [c[0], c[1], c[2]] })
 }
 
