@@ -15,7 +15,7 @@ const CODECS: [&[&str]; 5] = [
 ];
 
 /// Limits that any pack of a believable scan meets: ΔE and `ε_r`.
-const LOOSE: [&str; 2] = ["90", "9"];
+const LOOSE: [&str; 2] = ["90", "900%"];
 /// Limits below the error of a fit to noise.
 const TIGHT: [&str; 2] = ["0.5", "2%"];
 
@@ -93,7 +93,7 @@ impl Kind {
         let mut wrong = Vec::new();
         for codec in CODECS {
             let limits: Vec<&str> = match self.limits {
-                None => vec!["--max-fit-error", "9"],
+                None => vec!["--max-fit-error", "900%"],
                 Some([delta_e, _]) if codec.contains(&"lobes") => vec!["--max-delta-e", delta_e],
                 Some([_, error]) if codec.contains(&"wavelet") => vec!["--max-error", error],
                 Some([delta_e, error]) => vec!["--max-delta-e", delta_e, "--max-error", error],
