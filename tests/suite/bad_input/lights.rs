@@ -88,10 +88,7 @@ fn photographs_that_are_broken() {
     for (bytes, expected) in [
         (&jpeg.into_inner()[..100], "a.png: image: Format error decoding Jpeg: "),
         (&png(4)[..60], "; expected a complete PNG, JPEG, TIFF or EXR image\n"),
-        (
-            &deep_tiff(),
-            "found Uint of 32 bits (SampleFormat), expected grey or RGB of unsigned integers of 8 or 16",
-        ),
+        (&deep_tiff(), "found Uint of 32 bits (SampleFormat), expected grey or RGB of unsigned integers of 8 or 16"),
     ] {
         folder.write("s/a.png", bytes);
         let message = refused(&folder, &["pwt", "s", "-o", "p.ktx2"], 3, &["brdfc: s/a.png: ", expected]);
