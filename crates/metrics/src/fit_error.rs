@@ -49,7 +49,6 @@ pub struct FitError {
     /// cross-validation.
     pub delta_e: Option<f64>,
     /// Gaps between the samples at the pixels of the ball, whose mean is ΔE.
-    #[serde(flatten)]
     pub ball: Gaps,
     /// Gaps between the samples at the independent test directions, whose mean is `ε_r`.
     pub test_directions: Gaps,

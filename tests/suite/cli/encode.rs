@@ -336,7 +336,7 @@ fn limits_are_those_against_the_material() {
     let ran = encode(&[]).succeeded();
     assert!(ran.stderr.contains("a fit to samples, which is less accurate than the pack: "), "{}", ran.stderr);
     conforms("encode", &ran.json());
-    assert!(ran.json()["fit"]["uncovered"].as_f64().unwrap() > 0.5, "{}", ran.stdout);
+    assert!(ran.json()["fit"]["ball"]["uncovered"].as_f64().unwrap() > 0.5, "{}", ran.stdout);
     let ran = encode(&["--max-delta-e", "5"]);
     assert!(ran.code == 1 && ran.stderr.contains("fit: no reliable fit: "), "{ran:?}");
     assert_eq!(ran.json()["gates"][0]["passed"], false);
