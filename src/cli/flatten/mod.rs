@@ -27,7 +27,7 @@ pub struct Report {
     #[serde(flatten)]
     asset: FlatAsset,
     /// Colour and other statements of the images that were read, and what was done; absent without images.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     read: Vec<ImageFacts>,
     /// Seconds from start to finish.
     seconds: f64,
