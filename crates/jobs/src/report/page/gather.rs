@@ -147,6 +147,9 @@ impl Reports {
     }
 }
 
+/// Writes a page of [`Page::parts`], given by its name, with these materials.
+pub type WritePart<'a> = &'a mut dyn FnMut(&Page, &str, &[PageMaterial]) -> Result<(), Error>;
+
 /// Draws the packs of a folder and their sources. If there are more than [`PER_PAGE`] materials, `write` receives the name of each
 /// further page and its materials, and the page itself has no renderings: those of thousands of materials exceed the memory.
 ///
@@ -155,7 +158,7 @@ impl Reports {
 pub fn gather(
     reports: Reports,
     options: PageOptions<'_>,
-    write: &mut dyn FnMut(&Page, &str, &[PageMaterial]) -> Result<(), Error>,
+    write: WritePart<'_>,
     progress: &dyn Progress,
 ) -> Result<Page, Error> {
     let Reports { folder, new: mut report, old, only_missed, _held } = reports;
