@@ -39,7 +39,7 @@ impl Pack {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let report = MaterialReport::new(&encoded, opened, progress)?;
-        let gates = check_report(fit, errors, &report);
+        let gates = check_report(fit, errors, report.fit, &report.off_grid);
         let closed = gates.iter().filter(|gate| !gate.passed);
         let limits = report.missed.as_deref().map(Message::from);
         let missed = limits.into_iter().chain(closed.map(GateResult::message));

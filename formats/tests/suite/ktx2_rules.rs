@@ -294,7 +294,7 @@ fn check_entries<'a>(pack: &WaveletPack, entry: impl Fn(&str) -> &'a [u8]) {
     let header = Bytes(entry("brdfc.wavelet"));
     let h = &pack.header;
     let words = [
-        1,
+        2,
         h.parameterisation.code(),
         h.levels,
         h.stored_levels,

@@ -29,7 +29,7 @@ fn expectation(pack: &WaveletPack, file: &[u8], supercompress: bool) -> String {
     };
     let mut size = [1 << h.levels; 2];
     let mut header: Vec<u8> = Vec::new();
-    for word in [1, h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.scales.len() as u32]
+    for word in [2, h.parameterisation.code(), h.levels, h.stored_levels, h.channels, h.bits, pack.scales.len() as u32]
     {
         header.extend(word.to_le_bytes());
     }

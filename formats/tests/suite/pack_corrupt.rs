@@ -106,7 +106,7 @@ fn with_word(key: &str, offset: usize, word: [u8; 4]) -> FormatError {
 #[test]
 fn header_fields_out_of_range_are_named() {
     for (offset, field, values) in [
-        (0, "version", vec![0, 2, u32::MAX]),
+        (0, "version", vec![0, 1, 3, u32::MAX]),
         (4, "parameterisation", vec![2, u32::MAX]),
         (8, "levels", vec![0, 7, 32, u32::MAX]),
         (12, "stored levels", vec![2, u32::MAX]),

@@ -2,10 +2,10 @@
 //! scan determines the material.
 
 use super::gate::GateResult;
-use super::material::MaterialReport;
 use brdfc_codec::{ErrorLimits, FitLimits, TAIL};
 use brdfc_core::Source;
 use brdfc_core::progress::{Cancelled, Progress};
+use brdfc_core::source::Repeats;
 use brdfc_core::words::percent;
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
@@ -70,9 +70,8 @@ impl Evidence {
     }
 
     /// The evidence in the report of a pack.
-    pub fn of(report: &MaterialReport) -> Self {
-        let is_measured = report.off_grid.norms.samples > 0;
-        Self { fit: report.fit, black: is_measured && is_black(report.off_grid.mean) }
+    pub fn of(fit: Option<FitError>, off_grid: &Comparison) -> Self {
+        Self { fit, black: off_grid.norms.samples > 0 && is_black(off_grid.mean) }
     }
 
     /// Notes on a source, for an output with this mean ΔE.
@@ -80,7 +79,7 @@ impl Evidence {
         if self.black {
             return vec!["the material is black at all test directions".to_owned()];
         }
-        self.fit.as_ref().map_or(Vec::new(), |fit| super::material::fit_remarks(fit, delta_e))
+        self.fit.as_ref().map_or(Vec::new(), |fit| fit_remarks(fit, delta_e))
     }
 }
 
@@ -166,9 +165,34 @@ pub fn check_output(errors: ErrorLimits, comparison: &Comparison) -> Vec<GateRes
     of_delta_e.into_iter().chain(of_relative).collect()
 }
 
-/// Checks of a pack, by its report.
-pub fn check_report(limits: FitLimits, errors: ErrorLimits, report: &MaterialReport) -> Vec<GateResult> {
-    check(limits, errors, &Evidence::of(report), Found::of(&report.off_grid))
+/// Checks of a pack, by the fit and the errors in its report.
+pub fn check_report(
+    limits: FitLimits,
+    errors: ErrorLimits,
+    fit: Option<FitError>,
+    off_grid: &Comparison,
+) -> Vec<GateResult> {
+    check(limits, errors, &Evidence::of(fit, off_grid), Found::of(off_grid))
+}
+
+/// Spread of repeated samples above which it is reported.
+const SPREAD: f64 = 0.05;
+
+/// Notes on fits that are less accurate than the pack, and on samples that contradict each other.
+fn fit_remarks(fit: &FitError, delta_e: f64) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(weakness) = fit.weakness(delta_e) {
+        lines
+            .push(format!("errors are relative to a fit to samples, which is less accurate than the pack: {weakness}"));
+    }
+    if let Some(Repeats { pairs, spread, largest, .. }) = fit.repeats.filter(|repeats| repeats.spread > SPREAD) {
+        let (spread, largest) = (percent(spread), percent(largest));
+        lines.push(format!(
+            "{} measured more than once: values differ by {spread} of the larger overall, {largest} at most",
+            if pairs == 1 { "1 direction pair was".to_owned() } else { format!("{pairs} direction pairs were") }
+        ));
+    }
+    lines
 }
 
 fn at_most(limit: &str) -> String {
@@ -179,7 +203,8 @@ fn at_most(limit: &str) -> String {
 mod tests {
     use super::*;
     use crate::encode::{PackRecipe, encode};
-    use brdfc_core::source::{Repeats, Rise};
+    use crate::report::material::MaterialReport;
+    use brdfc_core::source::Rise;
     use brdfc_metrics::fit_error::Gaps;
     use brdfc_source::open::open;
 
@@ -204,7 +229,7 @@ mod tests {
     }
 
     fn failed(fit: FitError, limits: FitLimits, delta_e: Option<f64>, relative: Option<f64>) -> Vec<String> {
-        let results = check_report(limits, ErrorLimits { delta_e, relative }, &report(Some(fit)));
+        let results = check_report(limits, ErrorLimits { delta_e, relative }, Some(fit), &report(Some(fit)).off_grid);
         results.into_iter().filter(|gate| !gate.passed).map(|gate| gate.gate).collect()
     }
 
@@ -222,7 +247,10 @@ mod tests {
         assert!(failed(GOOD, none, None, None).is_empty());
         let trusted = FitLimits { trusted: true, ..none };
         assert!(failed(GOOD, trusted, Some(0.1), Some(0.01)).is_empty());
-        assert!(check_report(none, ErrorLimits { delta_e: Some(0.1), relative: None }, &report(None)).is_empty());
+        assert!(
+            check_report(none, ErrorLimits { delta_e: Some(0.1), relative: None }, None, &report(None).off_grid)
+                .is_empty()
+        );
     }
 
     #[test]

@@ -5,8 +5,7 @@ use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use crate::pack_files::entries;
 use brdfc_codec::HIGHLIGHT;
 use brdfc_core::progress::{Cancelled, Progress};
-use brdfc_core::source::Repeats;
-use brdfc_core::words::{bytes, percent};
+use brdfc_core::words::bytes;
 use brdfc_core::{StrayRows, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
@@ -132,7 +131,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         )
     }));
     lines.extend(repairs_summary(&report.repairs));
-    let evidence = Evidence::of(report);
+    let evidence = Evidence::of(report.fit, &report.off_grid);
     lines.extend(evidence.remarks(report.off_grid.rendering.delta_e.mean));
     if evidence.black {
         return lines;
@@ -173,26 +172,6 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
             let share = 100.0 * norms.below_floor as f64 / norms.samples as f64;
             lines.push(format!("{share:.1} % of the samples {place} are below 0.1 % of the mean; ε_r excludes them"));
         }
-    }
-    lines
-}
-
-/// Spread of repeated samples above which it is reported.
-const SPREAD: f64 = 0.05;
-
-/// Notes on fits that are less accurate than the pack, and on samples that contradict each other.
-pub(super) fn fit_remarks(fit: &FitError, delta_e: f64) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let Some(weakness) = fit.weakness(delta_e) {
-        lines
-            .push(format!("errors are relative to a fit to samples, which is less accurate than the pack: {weakness}"));
-    }
-    if let Some(Repeats { pairs, spread, largest, .. }) = fit.repeats.filter(|repeats| repeats.spread > SPREAD) {
-        let (spread, largest) = (percent(spread), percent(largest));
-        lines.push(format!(
-            "{} measured more than once: values differ by {spread} of the larger overall, {largest} at most",
-            if pairs == 1 { "1 direction pair was".to_owned() } else { format!("{pairs} direction pairs were") }
-        ));
     }
     lines
 }

@@ -61,12 +61,12 @@ pub fn check(gates: &Gates, report: &MaterialReport, lobes: Option<&LobesReport>
     let mut results = check_pack(&gates.required, report);
     let is_new = |result: &GateResult| results.iter().all(|other| other.gate != required(&result.gate) || other.passed);
     let of_source: Vec<GateResult> =
-        fit::check_report(gates.fit, gates.errors, report).into_iter().filter(is_new).collect();
+        fit::check_report(gates.fit, gates.errors, report.fit, &report.off_grid).into_iter().filter(is_new).collect();
     results.extend(of_source);
     if let Some(lobes) = lobes {
         let found = Found { delta_e: Some(lobes.facts.delta_e.mean), relative: None, all_lights: true };
         let limits = FitLimits { error: None, ..gates.fit };
-        let of_lobes = fit::check(limits, gates.lobes, &Evidence::of(report), found);
+        let of_lobes = fit::check(limits, gates.lobes, &Evidence::of(report.fit, &report.off_grid), found);
         results.extend(
             of_lobes.into_iter().map(|result| GateResult { gate: format!("{LOBES}.{}", result.gate), ..result }),
         );

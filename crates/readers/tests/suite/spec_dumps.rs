@@ -80,6 +80,7 @@ fn the_text_rules_on_the_pages_of_scans_hold() {
     for good in [
         format!("\u{feff}{head}\n{row}\n"),
         format!("# first\n{head}\n\n#x\n{row}"),
+        format!("{}\n{row}", head.to_uppercase()),
         " theta_i ,phi_i,note,theta_o,phi_o,\"r\",g,b,r\n0,0,any thing,0,0,\"0.5\",0,0,7\n".to_owned(),
         "b,g,r,phi_o,theta_o,phi_i,theta_i\n0,0, 5e-1 ,0,0,0,0\r\n".to_owned(),
         "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1.009,0,0,0.991,0.5,0,0\n".to_owned(),
@@ -87,7 +88,6 @@ fn the_text_rules_on_the_pages_of_scans_hold() {
         assert_eq!(red(&good), Ok(0.5), "{good:?}");
     }
     for bad in [
-        format!("{}\n{row}", head.to_uppercase()),
         format!("{head}\n{row},1\n"),
         "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,-1,0.5,0,0\n".to_owned(),
         "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1.02,0.5,0,0\n".to_owned(),
