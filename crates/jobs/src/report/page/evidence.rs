@@ -59,9 +59,9 @@ pub struct Evidence {
 }
 
 /// The scenes of thumbnails, with what each pixel shows: the same for all materials.
-pub struct Stages(Vec<(Builtin, bool, Scene, Hits)>);
+pub struct ThumbnailScenes(Vec<(Builtin, bool, Scene, Hits)>);
 
-impl Stages {
+impl ThumbnailScenes {
     /// Builds the scenes and casts their rays.
     pub fn new() -> Self {
         let staged = |(builtin, turned): (Builtin, bool)| {
@@ -73,7 +73,7 @@ impl Stages {
     }
 }
 
-impl Default for Stages {
+impl Default for ThumbnailScenes {
     fn default() -> Self {
         Self::new()
     }
@@ -81,7 +81,7 @@ impl Default for Stages {
 
 /// Draws and compares a pack and its source, and leaves out directions that the pack does not cover. Both renderings of a scene
 /// have the exposure of the source's rendering. `lit` are lobes of the material, and a ball in the light that they look up;
-/// `stages` the scenes.
+/// `scenes` the scenes of thumbnails.
 ///
 /// # Errors
 /// Returns an error if the lobes of the source cannot be tabulated.
@@ -89,7 +89,7 @@ pub fn evidence(
     pack: &BrdfPack,
     source: Option<&dyn Source>,
     lit: Option<(&LobesPack, &LitBall)>,
-    Stages(stages): &Stages,
+    ThumbnailScenes(scenes): &ThumbnailScenes,
 ) -> Result<Evidence, Error> {
     let decoded = PackSource::new(&**pack, None);
     let draw = |source: &dyn Source, turned: bool, scene: &Scene, hits: &Hits| -> (LinearImage, f64) {
@@ -102,8 +102,8 @@ pub fn evidence(
         (image, share_left_out(hits, FRAME, &outside))
     };
     let isotropic = source.unwrap_or(&decoded).symmetry().isotropic;
-    let stages = stages.iter().filter(|(_, turned, ..)| !turned || !isotropic);
-    let thumbnails = stages.map(|(builtin, turned, scene, hits)| {
+    let scenes = scenes.iter().filter(|(_, turned, ..)| !turned || !isotropic);
+    let thumbnails = scenes.map(|(builtin, turned, scene, hits)| {
         let (pack, left_out) = draw(&decoded, *turned, scene, hits);
         let source = source.map(|source| draw(source, *turned, scene, hits).0);
         Thumbnails { turned: *turned, left_out, ..Thumbnails::of(*builtin, &pack, source.as_ref()) }

@@ -1,7 +1,7 @@
 //! Gathers the contents of a page: the report in a folder, its packs, and their sources if they still exist.
 
 use super::against::{Regression, regressions};
-use super::evidence::{Evidence, LitBall, Stages, evidence};
+use super::evidence::{Evidence, LitBall, ThumbnailScenes, evidence};
 use super::parts::{PagePart, listed_pack, map_part, wrong_kind};
 use super::view_link::{ViewLink, escaped};
 use crate::error::Error;
@@ -168,13 +168,13 @@ pub fn gather(
     let regressions = old.map_or(Vec::new(), |old| regressions(&report, &old, options.tolerance));
     let (environment, ball) = report.environment.map(|entry| environment(folder, entry)).transpose()?.unzip();
     let ball = ball.flatten();
-    let stages = Stages::new();
+    let scenes = ThumbnailScenes::new();
     let drawn = |entry: MaterialEntry| {
         progress.check()?;
         let note = notes.get(&entry.material).cloned().unwrap_or_default();
         let name = entry.material.clone();
         let part = progress.part(&name);
-        let material = material(folder, entry, note, ball.as_ref(), &stages);
+        let material = material(folder, entry, note, ball.as_ref(), &scenes);
         part.finished(material.is_ok());
         material
     };
@@ -221,7 +221,7 @@ fn material(
     entry: MaterialEntry,
     note: BuiltNote,
     ball: Option<&LitBall>,
-    stages: &Stages,
+    scenes: &ThumbnailScenes,
 ) -> Result<PageMaterial, Error> {
     let Some(name) = entry.pack.as_ref().filter(|_| entry.report.is_some()) else {
         return Ok(PageMaterial { entry, note, evidence: None, maps: Vec::new(), without_source: None });
@@ -244,7 +244,7 @@ fn material(
         }
     }
     let of_source = source.as_ref().ok().map(|source| source.as_ref() as &dyn Source);
-    let evidence = evidence(&pack, of_source, lobes.as_ref().zip(ball), stages)?;
+    let evidence = evidence(&pack, of_source, lobes.as_ref().zip(ball), scenes)?;
     Ok(PageMaterial { entry, note, evidence: Some(evidence), maps, without_source: source.err() })
 }
 
