@@ -23,8 +23,8 @@ use std::path::Path;
 
 /// Pixels of a ball's square.
 const FRAME: Frame = Frame { width: 120, height: 120, samples: 2 };
-/// Directions of the integral for each of the four samples of a pixel.
-const DIRECTIONS: usize = 1024;
+/// Directions of the integral for each pixel.
+const DIRECTIONS: usize = 4096;
 /// A room, by its number among the environments.
 const ROOM: u64 = 207;
 /// Pixels of the latitude-longitude image of the room.
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (fetches, bytes) = (pack.fetches(), pack.gpu_bytes());
         let by_lobes = draw_on_cpu(&scene, FRAME, &light, &[Some(&pack)]);
         let material = IntegralMaterial::new(source.as_ref())?;
-        let integral = draw_integral(&scene, FRAME, &[Some(&material)], DIRECTIONS);
+        let integral = draw_integral(&scene, FRAME, &[Some(&material)], DIRECTIONS).image;
         let exposure = auto_exposure(&integral);
         let difference = compare_images(&by_lobes, &integral, exposure).delta_e;
         println!("{name}: {fetches} look-ups, {bytes} bytes, ΔE {:.2}, 95 %: {:.2}", difference.mean, difference.p95);

@@ -9,7 +9,7 @@ use brdfc_formats::lobes::LobesPack;
 use brdfc_formats::wavelet::level_of_detail;
 use brdfc_formats::{BrdfDecoder, BrdfPack};
 use brdfc_metrics::image::LinearImage;
-use brdfc_render::lobes::{PrefilteredLight, draw_on_cpu};
+use brdfc_render::lobes::{Integral, PrefilteredLight, draw_on_cpu};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::shade::{Reflectance, SourceReflectance, shade};
 use brdfc_render::trace::trace;
@@ -37,6 +37,9 @@ pub struct Views {
     pub table: Option<LinearImage>,
     /// Ray cast on the CPU from sources, if every part has one.
     pub source: Option<LinearImage>,
+    /// A second rendering from sources, if they are rendered with random directions; it differs from `source` as much as `source`
+    /// differs from an exact rendering.
+    pub source_with_noise: Option<LinearImage>,
     /// Share of the surface pixels that are left out of all views, because they need directions outside their pack's
     /// domain.
     pub left_out: f64,
@@ -51,6 +54,10 @@ impl Views {
     /// Adds the light of other views of the same surfaces. Complete tables get the added light of the sources, so that they keep
     /// the errors of the grid alone.
     pub fn add_light(&mut self, other: &Self) {
+        let with_noise = |views: &Self| views.source_with_noise.clone().or_else(|| views.source.clone());
+        if self.source_with_noise.is_some() || other.source_with_noise.is_some() {
+            self.source_with_noise = with_noise(self);
+        }
         self.shader.add_light(&other.shader);
         self.pack.add_light(&other.pack);
         let add = |image: &mut Option<LinearImage>| match (&mut *image, &other.source) {
@@ -59,11 +66,15 @@ impl Views {
         };
         add(&mut self.table);
         add(&mut self.source);
+        match (&mut self.source_with_noise, with_noise(other)) {
+            (Some(image), Some(added)) => image.add_light(&added),
+            _ => self.source_with_noise = None,
+        }
     }
 }
 
-/// Draws a scene by the lobes of its parts, with the shader and on the CPU. `integral` is the reference from sources, if
-/// every part with lobes has one.
+/// Draws a scene by the lobes of its parts, with the shader and on the CPU. `integral` draws the
+/// reference of the shader's rendering from sources, if every part with lobes has one.
 ///
 /// # Errors
 /// Returns the errors of [`draw_lobes`].
@@ -76,11 +87,12 @@ pub fn lobes_views(
     frame: Frame,
     light: &PrefilteredLight,
     lobes: &[Option<&LobesPack>],
-    integral: Option<LinearImage>,
+    integral: impl FnOnce(&LinearImage) -> Option<Integral>,
 ) -> Result<Views, GpuError> {
     let shader = draw_lobes(gpu, scene, frame, light, lobes)?;
     let pack = draw_on_cpu(scene, frame, light, lobes);
-    Ok(Views { shader, pack, table: None, source: integral, left_out: 0.0 })
+    let (source, source_with_noise) = integral(&shader).map(|integral| (integral.image, integral.half)).unzip();
+    Ok(Views { shader, pack, table: None, source, source_with_noise, left_out: 0.0 })
 }
 
 /// A pack on the CPU, decoded like a shader with exact filters.
@@ -155,6 +167,7 @@ pub fn views(
         pack: masked(pack),
         table: table.map(masked),
         source: source.map(masked),
+        source_with_noise: None,
         left_out,
     })
 }

@@ -15,7 +15,14 @@ use brdfc_formats::direction::Vector;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use brdfc_formats::lobes::LobesPack;
 use brdfc_importance::{ImportanceRecipe, LobeDistributions};
-use brdfc_metrics::image::LinearImage;
+use brdfc_metrics::image::{ImageDifference, LinearImage, auto_exposure, compare_images};
+
+/// Directions of an integral for each pixel.
+pub const DIRECTIONS: usize = 256;
+/// Most directions for each pixel of [`converged_integral`].
+const MOST_DIRECTIONS: usize = 16 * DIRECTIONS;
+/// Noise of a converged integral, as a share of the difference that is measured against it.
+const SHARE_OF_NOISE: f64 = 0.2;
 
 /// A prefiltered environment, ready for look-ups on the CPU.
 #[derive(Debug, Clone)]
@@ -67,8 +74,24 @@ pub fn draw_on_cpu(scene: &Scene, frame: Frame, light: &PrefilteredLight, lobes:
     })
 }
 
-/// Draws the same by the integral over the scene's environment, with `samples` directions for each sample of a pixel: half
-/// of them by the lobe of the material, half by the light of the environment (Veach and Guibas 1995).
+/// An integral over all directions, estimated with random directions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Integral {
+    /// Mean of two renderings with independent errors.
+    pub image: LinearImage,
+    /// One of the two. It differs from the mean by half the difference of the two, which has the variance of the mean's error.
+    pub half: LinearImage,
+}
+
+impl Integral {
+    /// Difference that noise alone causes between the image and the exact integral.
+    pub fn noise(&self, exposure: f64) -> ImageDifference {
+        compare_images(&self.half, &self.image, exposure)
+    }
+}
+
+/// Draws the same by the integral over the scene's environment, with `directions` for each pixel, rounded up to 32 for each sample:
+/// half of them by the lobe of the material, half by the light of the environment (Veach and Guibas 1995).
 ///
 /// # Panics
 /// If there are fewer materials than parts.
@@ -76,17 +99,49 @@ pub fn draw_integral(
     scene: &Scene,
     frame: Frame,
     materials: &[Option<&IntegralMaterial<'_>>],
-    samples: usize,
-) -> LinearImage {
+    directions: usize,
+) -> Integral {
     let environment = EnvironmentSampler::new(&scene.environment);
-    draw(scene, frame, |number, part, point| {
-        let Some(IntegralMaterial { reflectance, distributions }) = materials[part] else { return [0.0; 3] };
-        let shift = shift_of(number);
-        let lobe = MeasuredLobe { distributions, shift };
-        let light = FramedEnvironmentSampler { environment: &environment, point, shift };
-        let sampler = BalancedSampler { first: &lobe, second: &light };
-        reflected(point, &scene.environment, reflectance, &sampler, samples).radiance
-    })
+    let samples = directions.div_ceil(2 * frame.samples_per_pixel());
+    let count = frame.width * frame.height * frame.samples_per_pixel();
+    let half = |batch: usize| {
+        draw(scene, frame, |number, part, point| {
+            let Some(IntegralMaterial { reflectance, distributions }) = materials[part] else { return [0.0; 3] };
+            let shift = shift_of(number + batch * count);
+            let lobe = MeasuredLobe { distributions, shift };
+            let light = FramedEnvironmentSampler { environment: &environment, point, shift };
+            let sampler = BalancedSampler { first: &lobe, second: &light };
+            reflected(point, &scene.environment, reflectance, &sampler, samples).radiance
+        })
+    };
+    let (half, mut image) = (half(0), half(1));
+    for (mean, other) in image.pixels.iter_mut().zip(&half.pixels) {
+        (0..3).for_each(|k| mean[k] = 0.5 * (mean[k] + other[k]));
+    }
+    Integral { image, half }
+}
+
+/// Draws the integral with 256 directions for each pixel or, where needed, with 1,024 or 4,096: until noise is at most a fifth of
+/// the mean ΔE of `compared` against it.
+///
+/// # Panics
+/// If there are fewer materials than parts.
+pub fn converged_integral(
+    scene: &Scene,
+    frame: Frame,
+    materials: &[Option<&IntegralMaterial<'_>>],
+    compared: &LinearImage,
+) -> Integral {
+    let mut directions = DIRECTIONS;
+    loop {
+        let integral = draw_integral(scene, frame, materials, directions);
+        let exposure = auto_exposure(&integral.image);
+        let difference = compare_images(compared, &integral.image, exposure).delta_e.mean;
+        if directions >= MOST_DIRECTIONS || integral.noise(exposure).delta_e.mean <= SHARE_OF_NOISE * difference {
+            return integral;
+        }
+        directions *= 4;
+    }
 }
 
 /// Draws a scene with the radiance of each visible point, given with the numbers of its sample and of its part.

@@ -45,7 +45,7 @@ pub(super) fn verification(
     if source.is_none() {
         note(common, input, NO_SURFACE);
     }
-    let views = Views { shader, pack, table: None, source, left_out: 0.0 };
+    let views = Views { shader, pack, table: None, source, source_with_noise: None, left_out: 0.0 };
     let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let verification = setup.verification(&gpu, &views, |_| (format!("{name} ({stored})"), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;

@@ -11,15 +11,12 @@ use brdfc::environment::{self, EnvironmentPack};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::lobes::{LobesPack, LobesRecipe, encode};
 use brdfc::render::{
-    Decoding, Environment, Gpu, Material, PrefilteredLight, Scene, Tabulated, Views, draw_integral, integral_material,
-    lobes_views, tabulated, views,
+    Decoding, Environment, Gpu, LinearImage, Material, PrefilteredLight, Scene, Tabulated, Views, converged_integral, draw_integral,
+    integral_material, lobes_views, tabulated, views,
 };
 use brdfc::scene::EnvironmentJob;
 use brdfc::{Input, PackRecipe, Progress as _, Source};
 use std::fmt::Display;
-
-/// Directions of the integral for each pixel, by default.
-const TRUTH: usize = 256;
 
 /// An environment that lights a scene.
 pub(super) struct Light {
@@ -103,26 +100,27 @@ impl Light {
     ) -> Result<Views, Error> {
         let lobes: Vec<Option<&LobesPack>> = of_parts.iter().map(|part| materials[*part].lobes).collect();
         let lit = || materials.iter().filter(|material| material.lobes.is_some());
-        let reference = if lit().all(|material| material.source.is_some()) {
-            // The integral looks the source up far too often for a scan.
-            let tables = materials.iter().map(|material| material.tabulated(common)).collect::<Result<Vec<_>, _>>()?;
-            let sources = materials.iter().zip(&tables).map(|(material, table)| match table {
-                Some(table) => Some(&table.source as &dyn Source),
-                None => material.lit_source(),
-            });
-            let integrals = sources.map(|source| source.map(integral_material).transpose());
-            let integrals = integrals.collect::<Result<Vec<_>, _>>()?;
-            let integrals: Vec<_> = of_parts.iter().map(|part| integrals[*part].as_ref()).collect();
-            let of_pixel = arguments.adaptive.truth.unwrap_or(TRUTH);
-            let samples = of_pixel.div_ceil(setup.frame.samples * setup.frame.samples).next_multiple_of(16);
-            let text = "the integral over the environment";
-            remark(common, &format!("{text}: {samples} directions for each sample, on the CPU"));
+        let has_reference = lit().all(|material| material.source.is_some());
+        // The integral looks the source up far too often for a scan.
+        let tabulated = |material: &Lit<'_>| if has_reference { material.tabulated(common) } else { Ok(None) };
+        let tables = materials.iter().map(tabulated).collect::<Result<Vec<_>, _>>()?;
+        let sources = materials.iter().zip(&tables).map(|(material, table)| match table {
+            Some(table) => Some(&table.source as &dyn Source),
+            None => material.lit_source().filter(|_| has_reference),
+        });
+        let integrals = sources.map(|source| source.map(integral_material).transpose());
+        let integrals = integrals.collect::<Result<Vec<_>, _>>()?;
+        let integrals: Vec<_> = of_parts.iter().map(|part| integrals[*part].as_ref()).collect();
+        let integral = |shader: &LinearImage| {
+            remark(common, "the integral over the environment, on the CPU");
             let scene = Scene { environment: self.image.clone(), ..setup.scene.clone() };
-            Some(draw_integral(&scene, setup.frame, &integrals, samples))
-        } else {
-            None
+            match arguments.adaptive.truth {
+                Some(directions) => draw_integral(&scene, setup.frame, &integrals, directions),
+                None => converged_integral(&scene, setup.frame, &integrals, shader),
+            }
         };
-        Ok(lobes_views(gpu, &setup.scene, setup.frame, &self.prefiltered, &lobes, reference)?)
+        let integral = |shader: &LinearImage| has_reference.then(|| integral(shader));
+        Ok(lobes_views(gpu, &setup.scene, setup.frame, &self.prefiltered, &lobes, integral)?)
     }
 }
 

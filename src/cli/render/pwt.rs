@@ -66,7 +66,7 @@ pub(super) fn verification(
         }
         None => None,
     };
-    let views = Views { shader, pack, table: None, source, left_out: 0.0 };
+    let views = Views { shader, pack, table: None, source, source_with_noise: None, left_out: 0.0 };
     let verification = setup.verification(&gpu, &views, |_| (name_of(input), bytes_on_gpu));
     outputs::write(arguments, &views, verification.exposure)?;
     Ok((verification, views))

@@ -6,7 +6,7 @@ use brdfc_formats::environment::EnvironmentPack;
 use brdfc_formats::lobes::{Anchor, Lobe, LobesHeader, LobesPack};
 use brdfc_gpu::{LobesRenderer, draw_lobes, lobes_scene_source};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
-use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral, draw_on_cpu};
+use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, converged_integral, draw_integral, draw_on_cpu};
 use brdfc_render::scene::{Environment, Frame, Scene};
 use brdfc_render::scenes::Builtin;
 
@@ -131,11 +131,36 @@ fn a_white_furnace_is_invisible() {
     let by_lobes = draw_on_cpu(&scene, FRAME, &light, &[Some(&white)]);
     let source = parse_synth("synth:lambert?kd=1").unwrap();
     let material = IntegralMaterial::new(source.as_ref()).unwrap();
-    let integral = draw_integral(&scene, FRAME, &[Some(&material)], 256);
+    let integral = draw_integral(&scene, FRAME, &[Some(&material)], 1024).image;
     let surface = |image: &LinearImage| {
         image.pixels.iter().zip(&image.coverage).filter(|(_, c)| **c == 1.0).map(|(p, _)| p[0]).collect::<Vec<_>>()
     };
     assert!(surface(&by_lobes).len() > 500);
     assert!(surface(&by_lobes).iter().all(|value| (value / 0.7 - 1.0).abs() < 2e-3));
     assert!(surface(&integral).iter().all(|value| (value / 0.7 - 1.0).abs() < 0.03));
+}
+
+/// The noise that an integral states is the difference from one with 64 times as many directions.
+#[test]
+fn an_integral_states_its_noise() {
+    let uneven = |direction: [f64; 3]| if direction[1] > 0.8 { [9.0, 7.0, 5.0] } else { [0.4, 0.5, 0.6] };
+    let environment = Environment::of(64, 32, |direction| uneven(direction).map(|c| c as f32));
+    let scene = Scene { environment, ..Builtin::Sphere.scene() };
+    let source = parse_synth("synth:ggx?kd=0.2&f0=0.5&alpha=0.2").unwrap();
+    let material = IntegralMaterial::new(source.as_ref()).unwrap();
+    let drawn = |directions| draw_integral(&scene, FRAME, &[Some(&material)], directions);
+    let (rough, fine) = (drawn(128), drawn(8192));
+    let exposure = auto_exposure(&fine.image);
+    let stated = rough.noise(exposure).delta_e.mean;
+    let found = compare_images(&rough.image, &fine.image, exposure).delta_e.mean;
+    assert!(stated > 0.2 && (0.7..1.4).contains(&(stated / found)), "stated {stated}, found {found}");
+    // The control: a half alone has more.
+    let half = compare_images(&rough.half, &fine.image, exposure).delta_e.mean;
+    assert!(half > 1.2 * found, "half {half}, mean {found}");
+    // A rendering that differs little gets a better reference, one that differs much the first one.
+    let against = |image| converged_integral(&scene, FRAME, &[Some(&material)], image).noise(exposure).delta_e.mean;
+    let noise = against(&fine.image);
+    assert!(noise < 0.6 * stated, "{noise}");
+    let black = LinearImage { pixels: vec![[0.0; 3]; fine.image.pixels.len()], ..fine.image.clone() };
+    assert!(against(&black) > 1.5 * noise);
 }

@@ -42,6 +42,10 @@ pub struct Verification {
     /// Grid error: the CPU's rendering from whole, unquantised tables against the one from sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<ImageDifference>,
+    /// Noise of the CPU's rendering from sources, which is part of the errors above: the difference that it causes by itself. Absent
+    /// if no random directions were used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<ImageDifference>,
     /// Shading error: the shader's rendering against the CPU's, both from packs.
     pub shading: ImageDifference,
     /// Mean FLIP over surfaces of the shader's rendering; only if a gate requires it.
@@ -99,6 +103,7 @@ impl Verification {
             total: against_source(&views.shader),
             codec: against_source(&views.pack),
             grid: views.table.as_ref().and_then(against_source),
+            noise: views.source_with_noise.as_ref().and_then(against_source),
             shading: compare_images(&views.shader, &views.pack, exposure),
             flip: None,
             gates: Vec::new(),
@@ -153,6 +158,7 @@ impl Verification {
             ("shader against source", self.total.as_ref()),
             ("pack against source (codec)", self.codec.as_ref()),
             ("table against source (grid)", self.grid.as_ref()),
+            ("noise of the source's rendering", self.noise.as_ref()),
             ("shader against pack (shading)", Some(&self.shading)),
         ]
         .into_iter()

@@ -11,7 +11,7 @@ use brdfc_formats::lobes::LobesPack;
 use brdfc_metrics::by_angle::{ByAngle, by_angle};
 use brdfc_metrics::image::{LinearImage, auto_exposure, compare_images};
 use brdfc_metrics::sampling::PairSet;
-use brdfc_render::lobes::{IntegralMaterial, PrefilteredLight, draw_integral, draw_on_cpu};
+use brdfc_render::lobes::{DIRECTIONS, Integral, IntegralMaterial, PrefilteredLight, draw_integral, draw_on_cpu};
 use brdfc_render::rendering::{Panel, difference_panel, to_panel};
 use brdfc_render::scene::{Frame, Scene};
 use brdfc_render::scenes::Builtin;
@@ -27,9 +27,6 @@ const SCENES: [(Builtin, bool); 2] = [(Builtin::Sphere, false), (Builtin::Cloth,
 /// Additional scene of anisotropic materials, with the tangent turned by 90 degrees.
 const TURNED: (Builtin, bool) = (Builtin::Sphere, true);
 
-/// Directions of the integral over an environment for each pixel.
-const DIRECTIONS: usize = 256;
-
 /// Renderings of one scene, drawn by the CPU decoder.
 #[derive(Debug, Clone)]
 pub struct Thumbnails {
@@ -43,6 +40,8 @@ pub struct Thumbnails {
     pub pack: Panel,
     /// Rendering of ΔE, from 0 (dark) to 10 (light), and the mean ΔE over surfaces.
     pub difference: Option<(Panel, f64)>,
+    /// Mean ΔE that the noise of the source's rendering causes by itself; `None` without noise.
+    pub noise: Option<f64>,
     /// Share of the surface's pixels that are left out, as the pack does not cover their directions.
     pub left_out: f64,
 }
@@ -135,7 +134,7 @@ impl Thumbnails {
             (difference_panel(pack, source, exposure), compare_images(pack, source, exposure).delta_e.mean)
         });
         let (source, pack) = (source.map(panel), panel(pack));
-        Self { scene: builtin.name(), turned: false, source, pack, difference, left_out: 0.0 }
+        Self { scene: builtin.name(), turned: false, source, pack, difference, noise: None, left_out: 0.0 }
     }
 }
 
@@ -158,10 +157,14 @@ impl LitBall {
         // The integral looks the source up far too often for a scan.
         let table = source.map(|source| tabulated(source, &())).transpose()?.flatten();
         let source = table.as_ref().map(|table| &table.source as &dyn Source).or(source);
-        let integral = source.map(|source| -> Result<LinearImage, Error> {
+        let integral = source.map(|source| -> Result<Integral, Error> {
             let material = IntegralMaterial::new(source).map_err(|error| Error::internal(error.to_string()))?;
             Ok(draw_integral(&self.scene, FRAME, &[Some(&material)], DIRECTIONS))
         });
-        Ok(Thumbnails::of(Builtin::Sphere, &by_lobes, integral.transpose()?.as_ref()))
+        let integral = integral.transpose()?;
+        let noise = |integral: &Integral| integral.noise(auto_exposure(&integral.image)).delta_e.mean;
+        let noise = integral.as_ref().map(noise);
+        let image = integral.as_ref().map(|integral| &integral.image);
+        Ok(Thumbnails { noise, ..Thumbnails::of(Builtin::Sphere, &by_lobes, image) })
     }
 }

@@ -263,7 +263,8 @@ fn renderings(material: &PageMaterial) -> Markup {
 
 /// Renderings of the source and of a file, named by their captions, and their difference.
 fn triple(name: &str, drawn: &Thumbnails, [of_source, of_file]: [&str; 2]) -> Markup {
-    let Thumbnails { scene, turned, source, pack, difference, left_out } = drawn;
+    let Thumbnails { scene, turned, source, pack, difference, noise, left_out } = drawn;
+    let noise = noise.map_or(String::new(), |noise| format!(", {noise:.2} by noise alone"));
     let how = if *turned { ", turned by 90°" } else { "" };
     let figure = |panel: &Panel, what: &str, caption: &str| {
         html! { figure { (image(panel, &format!("{scene} of {name}, {what}{how}"))) figcaption { (caption) } } }
@@ -272,7 +273,7 @@ fn triple(name: &str, drawn: &Thumbnails, [of_source, of_file]: [&str; 2]) -> Ma
         div.triple {
             @if let Some(source) = source { (figure(source, of_source, &format!("{of_source}{how}"))) }
             (figure(pack, of_file, &format!("{of_file}{}", left_out_summary(*left_out))))
-            @if let Some((difference, mean)) = difference { (figure(difference, "difference", &format!("ΔE {mean:.2}"))) }
+            @if let Some((difference, mean)) = difference { (figure(difference, "difference", &format!("ΔE {mean:.2}{noise}"))) }
         }
     }
 }

@@ -54,18 +54,23 @@ pub struct PageEntry<'a> {
     /// or source.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment_delta_e: Option<f64>,
+    /// Part of it that the noise of the integral causes by itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_noise: Option<f64>,
 }
 
 impl Page {
     /// Figures of the page, for its JSON report.
     pub fn report(&self) -> PageReport<'_> {
-        let materials = self.materials.iter().map(|material| PageEntry {
-            entry: &material.entry,
-            by_angle: material.evidence.as_ref().and_then(|evidence| evidence.by_angle.as_ref()),
-            environment_delta_e: material
-                .evidence
-                .as_ref()
-                .and_then(|evidence| Some(evidence.in_environment.as_ref()?.difference.as_ref()?.1)),
+        let materials = self.materials.iter().map(|material| {
+            let evidence = material.evidence.as_ref();
+            let lit = evidence.and_then(|evidence| evidence.in_environment.as_ref());
+            PageEntry {
+                entry: &material.entry,
+                by_angle: evidence.and_then(|evidence| evidence.by_angle.as_ref()),
+                environment_delta_e: lit.and_then(|lit| Some(lit.difference.as_ref()?.1)),
+                environment_noise: lit.and_then(|lit| lit.noise),
+            }
         });
         PageReport { version: 1, scene: &self.scene, regressions: &self.regressions, materials: materials.collect() }
     }
