@@ -5,7 +5,6 @@
 
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
-pub use brdfc_jobs::flatten::FlatComparison;
 pub use brdfc_jobs::pwt::{
     BtfComparison, PhotographComparison, PhotographErrors, ViewErrors, compare_btf as btf,
     compare_photographs as photographs,
@@ -102,7 +101,7 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
 ///
 /// # Errors
 /// Returns an error if a file cannot be read, is damaged or is not a flat BTF.
-pub fn flat_btfs(a: &Input, b: &Input) -> Result<FlatComparison, Error> {
+pub fn flat_btfs(a: &Input, b: &Input) -> Result<ColourErrors, Error> {
     let open = |name: &str, input: &Input| {
         if let Some(material) = open_flat_material(input)? {
             return Ok(material);

@@ -8,7 +8,7 @@ pub use brdfc_jobs::encode::{
     BrdfRecipe, BrdfReport, CodecReport, EncodeError, EncodedPack, ErrorLimits, OptionError, Trial, codecs, encode,
     encoders,
 };
-pub use brdfc_jobs::report::fit::{Evidence, Found, check, check_output};
+pub use brdfc_jobs::report::fit::{Found, Reliability, check, check_output, check_report, fit_error};
 pub use brdfc_jobs::report::gate::GateResult;
 pub use brdfc_jobs::report::material::{StageTime, remarks, repairs_summary};
 pub use brdfc_jobs::stage_clock::StageClock;

@@ -47,7 +47,7 @@ impl Pack {
         Ok(Self { encoded, report, gates, missed })
     }
 
-    /// Results of the checks of the fit to a scan, if any were requested.
+    /// Results of the checks of the source: the fit to a scan, and light. Empty if none were requested.
     pub fn gates(&self) -> &[GateResult] {
         &self.gates
     }

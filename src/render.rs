@@ -22,7 +22,7 @@ pub use brdfc_render::adaptive::{
 };
 pub use brdfc_render::contact_sheet::contact_sheet;
 pub use brdfc_render::flat::{FlatMaterial, draw_on_cpu as draw_flat_btf_on_cpu};
-pub use brdfc_render::lobes::{IntegralMaterial, Integral, PrefilteredLight, converged_integral, draw_integral};
+pub use brdfc_render::lobes::{Integral, IntegralMaterial, PrefilteredLight, converged_integral, draw_integral};
 pub use brdfc_render::pwt::{
     Photograph, PwtMaterial, distant_light, draw_on_cpu as draw_pwt_on_cpu, draw_photographs, image_scene,
 };

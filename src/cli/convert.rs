@@ -8,7 +8,7 @@ use super::{Common, Error};
 use crate::table;
 use brdfc::compare::Comparison;
 use brdfc::convert::{ConvertError, PairGrid, Target, convert};
-use brdfc::encode::{ErrorLimits, Evidence, Found, GateResult, check, check_output};
+use brdfc::encode::{ErrorLimits, GateResult, check_output, check_report, fit_error};
 use brdfc::relight::PTM;
 use brdfc::{Budget, Facts, FitLimits, Fraction, Input};
 use brdfc_terminal::words::quoted;
@@ -102,11 +102,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);
     let mut gates = check_output(limits, &comparison);
     if limits != ErrorLimits::default() {
-        let evidence = Evidence::measure(material.source(), material.source().directions(), &())?;
-        let fit = FitLimits { error: None, trusted: arguments.trust_fit };
-        let of_source = check(fit, limits, &evidence, Found::of(&comparison));
+        let fit = fit_error(material.source(), material.source().directions(), &())?;
+        let of_fit = FitLimits { error: None, trusted: arguments.trust_fit };
+        let of_source = check_report(of_fit, limits, fit, &comparison);
         // A black material fails both.
-        gates.extend(of_source.into_iter().filter(|_| !evidence.black));
+        let is_new = |result: &GateResult| gates.iter().all(|other| other.gate != result.gate);
+        let of_source: Vec<GateResult> = of_source.into_iter().filter(is_new).collect();
+        gates.extend(of_source);
     }
     if let Some(loss) = &converted.loss {
         note(common, &arguments.input, loss);

@@ -8,7 +8,7 @@ use super::reading::open_read;
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::DirectionRange;
-use brdfc::encode::{ErrorLimits, Evidence, Found, GateResult, StageClock, StageTime, check};
+use brdfc::encode::{ErrorLimits, Found, GateResult, Reliability, StageClock, StageTime, check};
 use brdfc::lobes::{LobesFacts, LobesRecipe, LobesTrial, encode, missed};
 use brdfc::{EncodeOptions, Facts, FitLimits, Progress as _, Stage, Tally};
 use serde::Serialize;
@@ -25,7 +25,7 @@ pub struct Report {
     /// All packs that were tried, from few look-ups to many.
     tried: Vec<Candidate>,
     /// Properties of the source on which the meaning of the errors depends.
-    evidence: Evidence,
+    reliability: Reliability,
     /// Results of the checks of the source, if limits were requested.
     gates: Vec<GateResult>,
     /// Bytes of the file.
@@ -80,7 +80,7 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     clock.stage(Stage::Read, 1)?;
     let material = open_read(&arguments.input, arguments.reading)?;
     let encoded = encode(material.source(), &recipe, &clock).map_err(|error| error.prefixed(&arguments.input))?;
-    let evidence = Evidence::measure(material.source(), DirectionRange::ALL, &clock)
+    let reliability = Reliability::measure(material.source(), DirectionRange::ALL, &clock)
         .map_err(|cancelled| Error::from(cancelled).prefixed(&arguments.input))?;
     clock.stage(Stage::Write, 1)?;
     let best = encoded.best();
@@ -91,13 +91,13 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
     drop(progress);
     note_repairs(common, &arguments.input, &encoded.tally);
     let tried: Vec<Candidate> = encoded.trials.iter().map(Candidate::new).collect();
-    for line in evidence.remarks(best.error.mean) {
+    for line in reliability.remarks(best.error.mean) {
         note(common, &arguments.input, &line);
     }
     // The default limit is not a check of the source.
     let errors = ErrorLimits { delta_e: options.max_delta_e, relative: None };
     let gates =
-        check(fit, errors, &evidence, Found { delta_e: Some(best.error.mean), relative: None, all_lights: true });
+        check(fit, errors, &reliability, Found { delta_e: Some(best.error.mean), relative: None, all_lights: true });
     let missed = missed(&encoded, &recipe).map(|missed| format!("--max-delta-e: {missed}"));
     let missed = missed.into_iter().chain(failed(&gates)).reduce(|all, next| format!("{all}; {next}"));
     let missed = missed.map(|missed| Error::check(missed).prefixed(&arguments.input));
@@ -106,7 +106,7 @@ pub(super) fn run(arguments: &Arguments, options: &EncodeOptions, common: Common
         input: material.facts().clone(),
         pack: Candidate::new(best),
         tried,
-        evidence,
+        reliability,
         gates,
         bytes_on_disk: bytes.len(),
         repairs: encoded.tally,

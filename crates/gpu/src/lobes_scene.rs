@@ -101,6 +101,6 @@ fn bindings<'a>(light: &'a PrefilteredLight, lobes: &'a LobesPack) -> Vec<Bindin
 /// Lobes that reflect nothing.
 fn black() -> LobesPack {
     let lobes = vec![Lobe { anchor: Anchor::Normal, tilt: [0.0; 2], row: 0 }];
-    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, delta_e: [0.0; 2], lobes };
+    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, scale: 1.0, delta_e: [0.0; 2], lobes };
     LobesPack::new(header, &[[0.0; 4]; 2]).expect("every value is in range")
 }

@@ -73,7 +73,7 @@ impl LightPositions {
         };
         let mut seen = BTreeMap::new();
         for (line, content) in lines.skip(usize::from(stated.is_some())) {
-            if list.names.len() == MAX_LIGHTS {
+            if list.names.len() + list.not_finite.len() == MAX_LIGHTS {
                 let allowed = format!("at most {MAX_LIGHTS} lights");
                 return Err(FormatError::at_line(line, "light", "too many lights", allowed).problem());
             }

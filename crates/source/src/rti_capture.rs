@@ -374,21 +374,22 @@ fn photographs(folder: &Path, names: &[String]) -> Vec<Option<PathBuf>> {
     let is_free = |path: &PathBuf| {
         path.is_file() && !is_of_macos(path) && path.canonicalize().is_ok_and(|path| !taken.contains(&path))
     };
-    let mut left: Vec<(String, PathBuf)> = paths
-        .filter(is_free)
-        .map(|path| (normalised(&path.file_name().unwrap_or_default().to_string_lossy()), path))
-        .collect();
-    for of_extension in [false, true] {
-        for (found, name) in found.iter_mut().zip(names).filter(|(found, _)| found.is_none()) {
-            let name = normalised(last_component(name));
-            let is_it = |(listed, _): &(String, PathBuf)| match of_extension {
-                true => stem(&name).is_some() && stem(listed) == stem(&name),
-                false => *listed == name,
-            };
-            if left.iter().filter(|listed| is_it(listed)).count() == 1 {
-                *found = left.iter().position(is_it).map(|at| left.swap_remove(at).1);
+    let mut left: BTreeSet<PathBuf> = paths.filter(is_free).collect();
+    let whole = |name: &str| Some(name.to_owned());
+    let without_extension = |name: &str| stem(name).map(str::to_owned);
+    for key in [&whole as &dyn Fn(&str) -> Option<String>, &without_extension] {
+        let mut listed = BTreeMap::<String, Vec<&PathBuf>>::new();
+        for path in &left {
+            let name = normalised(&path.file_name().unwrap_or_default().to_string_lossy());
+            if let Some(name) = key(&name) {
+                listed.entry(name).or_default().push(path);
             }
         }
+        for (found, name) in found.iter_mut().zip(names).filter(|(found, _)| found.is_none()) {
+            let paths = key(&normalised(last_component(name))).and_then(|name| listed.remove(&name));
+            *found = paths.filter(|paths| paths.len() == 1).map(|paths| paths[0].clone());
+        }
+        found.iter().flatten().for_each(|path| _ = left.remove(path));
     }
     found
 }

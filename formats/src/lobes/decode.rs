@@ -62,7 +62,7 @@ impl LobesPack {
         };
         let [r, g, b, sharpness] = texel;
         let axis = if header.is_isotropic() { plane_of_view(outgoing) } else { [1.0, 0.0] };
-        LobeLookup { direction: lobe.direction(outgoing, axis), sharpness, weight: [r, g, b] }
+        LobeLookup { direction: lobe.direction(outgoing, axis), sharpness, weight: [r, g, b].map(|c| header.scale * c) }
     }
 
     /// Radiance that a surface reflects from an environment towards an outgoing unit vector above the horizon, W/(m² sr).

@@ -7,7 +7,7 @@ use crate::cursor::{Cursor, block_bytes};
 /// Key that identifies a pack of lobes.
 pub const LOBES_ENTRY: &str = "brdfc.lobes";
 
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Maximum number of lobes, that is, of look-ups in an environment.
 pub const MAX_LOBES: usize = 32;
 /// Maximum number of view angles.
@@ -16,10 +16,12 @@ pub const MAX_NODES: u32 = 64;
 pub const MAX_AZIMUTHS: u32 = 32;
 /// Maximum sharpness of a lobe: that of the largest environment.
 pub const MAX_SHARPNESS: f32 = 9.0;
+/// Maximum scale of weights; the minimum is its inverse.
+const MAX_SCALE: f32 = (1u64 << 63) as f32;
 /// Maximum size of a tilt.
 const MAX_TILT: f32 = 16.0;
 /// Bytes before the lobes.
-const START: usize = 24;
+const START: usize = 28;
 /// Bytes of a lobe.
 const LOBE: usize = 16;
 
@@ -64,6 +66,8 @@ pub struct LobesHeader {
     pub azimuths: u32,
     /// Number of rows of weights, 1 to [`MAX_LOBES`].
     pub rows: u32,
+    /// Factor of all weights, 2⁻⁶³ to 2⁶³.
+    pub scale: f32,
     /// Mean and 95th percentile of ΔE (CIE76) of renderings of a ball, against the integral over all directions, 0 or more.
     pub delta_e: [f32; 2],
     /// The lobes, 1 to [`MAX_LOBES`].
@@ -76,7 +80,7 @@ impl LobesHeader {
 
     /// The uniform block `LobesParameters`.
     pub fn uniform(&self) -> [u8; Self::UNIFORM_SIZE] {
-        let sizes = [self.lobes.len() as u32, self.nodes, self.azimuths, 0];
+        let sizes = [self.lobes.len() as u32, self.nodes, self.azimuths, self.scale.to_bits()];
         block_bytes(sizes.into_iter().chain(self.words()))
     }
 
@@ -89,6 +93,7 @@ impl LobesHeader {
         FormatError::check_range(format!("{LOBES_ENTRY} azimuths"), self.azimuths, 1..=MAX_AZIMUTHS)?;
         FormatError::check_range(format!("{LOBES_ENTRY} lobes"), self.lobes.len(), 1..=MAX_LOBES)?;
         FormatError::check_range(format!("{LOBES_ENTRY} rows"), self.rows, 1..=self.lobes.len() as u32)?;
+        FormatError::check_range(format!("{LOBES_ENTRY} scale"), self.scale, 1.0 / MAX_SCALE..=MAX_SCALE)?;
         for error in self.delta_e {
             FormatError::check_range(format!("{LOBES_ENTRY} ΔE"), error, 0.0..=f32::MAX)?;
         }
@@ -126,7 +131,9 @@ impl LobesHeader {
 
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let sizes = [VERSION, self.nodes, self.azimuths, self.rows];
-        sizes.into_iter().chain(self.delta_e.map(f32::to_bits)).chain(self.words()).flat_map(u32::to_le_bytes).collect()
+        let [mean, p95] = self.delta_e;
+        let numbers = [self.scale, mean, p95].map(f32::to_bits);
+        sizes.into_iter().chain(numbers).chain(self.words()).flat_map(u32::to_le_bytes).collect()
     }
 
     pub(super) fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
@@ -142,6 +149,7 @@ impl LobesHeader {
             return Err(FormatError::whole(field, version.to_string(), VERSION.to_string()));
         }
         let (nodes, azimuths, rows) = (cursor.u32("nodes")?, cursor.u32("azimuths")?, cursor.u32("rows")?);
+        let scale = f32::from_bits(cursor.u32("scale")?);
         let delta_e = [f32::from_bits(cursor.u32("ΔE")?), f32::from_bits(cursor.u32("ΔE")?)];
         let mut lobe = |at: usize| {
             let tilt = [f32::from_bits(cursor.u32("tilt")?), f32::from_bits(cursor.u32("tilt")?)];
@@ -153,7 +161,7 @@ impl LobesHeader {
             Ok(Lobe { anchor, tilt, row })
         };
         let lobes = (0..count).map(&mut lobe).collect::<Result<_, FormatError>>()?;
-        let header = Self { nodes, azimuths, rows, delta_e, lobes };
+        let header = Self { nodes, azimuths, rows, scale, delta_e, lobes };
         header.check()?;
         Ok(header)
     }

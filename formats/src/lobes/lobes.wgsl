@@ -20,7 +20,7 @@ struct LobesParameters {
     count: u32,     // number of lobes
     nodes: u32,     // number of view angles
     azimuths: u32,  // number of view azimuths, 1 if the material is isotropic
-    reserved: u32,
+    scale: f32,     // factor of all weights
     // Of each lobe: tilt along and across the plane of view, or along tangent and bitangent; anchor (0 normal, 1 mirror
     // direction, 2 viewer) and row, as bits of integers.
     lobes: array<vec4<u32>, 32>,
@@ -59,10 +59,11 @@ fn lobes_lookup(outgoing: vec3<f32>, lobe: u32) -> LobeLookup {
         let high = lobes_weight(position, first + (before + 1u) % azimuths);
         texel = low + (turn - f32(before)) * (high - low);
     }
-    return LobeLookup(lobes_direction(outgoing, bitcast<vec2<f32>>(words.xy), words.z, axis), texel.w, texel.xyz);
+    let direction = lobes_direction(outgoing, bitcast<vec2<f32>>(words.xy), words.z, axis);
+    return LobeLookup(direction, texel.w, lobes_parameters.scale * texel.xyz);
 }
 
-// Weights and sharpness between two view angles, in a row of the texture.
+// Weights without the scale and sharpness between two view angles, in a row of the texture.
 fn lobes_weight(position: f32, row: u32) -> vec4<f32> {
     let lower = min(u32(position), lobes_parameters.nodes - 2u);
     let low = textureLoad(lobes_weights, vec2<u32>(lower, row), 0);

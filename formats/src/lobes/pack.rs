@@ -8,7 +8,7 @@ use crate::container::{TexelFormat, Texture, half};
 use std::collections::BTreeMap;
 
 /// Name of the decoder and version of its bindings.
-pub(super) const DECODER: (&str, u32) = ("lobes", 1);
+pub(super) const DECODER: (&str, u32) = ("lobes", 2);
 
 /// WGSL look-up. It declares a uniform block and a texture in bind group 1; see the file.
 pub const LOBES_WGSL: &str = include_str!("lobes.wgsl");
@@ -19,12 +19,12 @@ const FORMAT: TexelFormat = TexelFormat::Rgba16Float;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LobesPack {
     header: LobesHeader,
-    /// Weight of each channel and sharpness, for each row, azimuth and node.
+    /// Weight of each channel without the scale and sharpness, for each row, azimuth and node.
     weights: Vec<[f32; 4]>,
 }
 
 impl LobesPack {
-    /// Creates a pack from weights and sharpnesses, row by row, one per view angle and azimuth. Angles vary fastest. They are
+    /// Creates a pack from weights, which are multiplied by the header's scale, and sharpnesses, row by row, one per view angle and azimuth. Angles vary fastest. They are
     /// rounded to half floats.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl LobesPack {
         &self.header
     }
 
-    /// Weights of red, green and blue, and sharpness, row by row, azimuth by azimuth.
+    /// Weights of red, green and blue without the scale, and sharpness, row by row, azimuth by azimuth.
     pub fn weights(&self) -> &[[f32; 4]] {
         &self.weights
     }

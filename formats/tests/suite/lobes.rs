@@ -10,7 +10,7 @@ use brdfc_testing::packs::{check_dump, rebind, sealed};
 fn header() -> LobesHeader {
     let lobe = |anchor, across, row| Lobe { anchor, tilt: [0.0, across], row };
     let lobes = vec![lobe(Anchor::Normal, 0.0, 0), lobe(Anchor::Mirror, 0.25, 1), lobe(Anchor::Mirror, -0.25, 1)];
-    LobesHeader { nodes: 2, azimuths: 1, rows: 2, delta_e: [0.75, 2.5], lobes }
+    LobesHeader { nodes: 2, azimuths: 1, rows: 2, scale: 1.0, delta_e: [0.75, 2.5], lobes }
 }
 
 const WEIGHTS: [[f32; 4]; 4] =
@@ -21,7 +21,7 @@ const WEIGHTS: [[f32; 4]; 4] =
 fn lobes_of_anisotropic_materials_stay_with_the_tangent() {
     let lobe = |tilt| Lobe { anchor: Anchor::Mirror, tilt, row: 0 };
     let lobes = vec![lobe([0.0, 0.0]), lobe([0.0, 0.2])];
-    let header = LobesHeader { nodes: 2, azimuths: 4, rows: 1, delta_e: [0.0; 2], lobes };
+    let header = LobesHeader { nodes: 2, azimuths: 4, rows: 1, scale: 1.0, delta_e: [0.0; 2], lobes };
     let weight = |azimuth: usize| [azimuth as f32, 1.0, 0.5, 2.0];
     let weights: Vec<[f32; 4]> = (0..4).flat_map(|azimuth| [weight(azimuth); 2]).collect();
     let pack = LobesPack::new(header, &weights).unwrap();
@@ -84,6 +84,14 @@ fn the_worked_value_of_the_page() {
 }
 
 #[test]
+fn the_scale_multiplies_weights_alone() {
+    let scaled = LobesPack::new(LobesHeader { scale: 4.0, ..header() }, &WEIGHTS).unwrap();
+    let (look, other) = (example().lookup([0.0, 0.75f32.sqrt(), 0.5], 1), scaled.lookup([0.0, 0.75f32.sqrt(), 0.5], 1));
+    assert_eq!(other.weight, look.weight.map(|c| 4.0 * c));
+    assert_eq!((other.direction, other.sharpness), (look.direction, look.sharpness));
+}
+
+#[test]
 fn files_round_trip() {
     for case in Lobes.cases() {
         let pack = LobesPack::from_bytes(&case.files[0]).unwrap();
@@ -133,31 +141,37 @@ fn errors_name_the_field() {
         error(&texture)
     };
     for (at, word, expected) in [
-        (0, 2, "brdfc.lobes version: found 2, expected 1"),
+        (0, 3, "brdfc.lobes version: found 3, expected 2"),
         (1, 1, "brdfc.lobes nodes: found 1, expected 2 to 64"),
         (1, u32::MAX, "brdfc.lobes nodes: found 4294967295, expected 2 to 64"),
         (2, 0, "brdfc.lobes azimuths: found 0, expected 1 to 32"),
         (2, 33, "brdfc.lobes azimuths: found 33, expected 1 to 32"),
         (3, 0, "brdfc.lobes rows: found 0, expected 1 to 3"),
         (3, 4, "brdfc.lobes rows: found 4, expected 1 to 3"),
-        (4, (-1f32).to_bits(), "brdfc.lobes ΔE: found -1, expected 0 to 340282350000000000000000000000000000000"),
-        (5, f32::NAN.to_bits(), "brdfc.lobes ΔE: found NaN, expected 0 to 340282350000000000000000000000000000000"),
-        (6, 17f32.to_bits(), "brdfc.lobes tilt of lobe 0: found 17, expected -16 to 16"),
-        (11, f32::NAN.to_bits(), "brdfc.lobes tilt of lobe 1: found NaN, expected -16 to 16"),
-        (11, f32::NEG_INFINITY.to_bits(), "brdfc.lobes tilt of lobe 1: found -inf, expected -16 to 16"),
-        (16, 3, "brdfc.lobes anchor of lobe 2: found 3, expected 0 to 2"),
-        (17, 2, "brdfc.lobes row of lobe 2: found 2, expected 0 to 1"),
+        (4, 0, "brdfc.lobes scale: found 0, expected 0.00000000000000000010842022 to 9223372000000000000"),
+        (
+            4,
+            f32::NAN.to_bits(),
+            "brdfc.lobes scale: found NaN, expected 0.00000000000000000010842022 to 9223372000000000000",
+        ),
+        (5, (-1f32).to_bits(), "brdfc.lobes ΔE: found -1, expected 0 to 340282350000000000000000000000000000000"),
+        (6, f32::NAN.to_bits(), "brdfc.lobes ΔE: found NaN, expected 0 to 340282350000000000000000000000000000000"),
+        (7, 17f32.to_bits(), "brdfc.lobes tilt of lobe 0: found 17, expected -16 to 16"),
+        (12, f32::NAN.to_bits(), "brdfc.lobes tilt of lobe 1: found NaN, expected -16 to 16"),
+        (12, f32::NEG_INFINITY.to_bits(), "brdfc.lobes tilt of lobe 1: found -inf, expected -16 to 16"),
+        (17, 3, "brdfc.lobes anchor of lobe 2: found 3, expected 0 to 2"),
+        (18, 2, "brdfc.lobes row of lobe 2: found 2, expected 0 to 1"),
     ] {
         assert_eq!(with_word(at, word), expected);
     }
     let text = with_word(1, 3);
     assert!(text.starts_with("texture: found 2 x 2 texels of Rgba16Float, expected 3 x 2"), "{text}");
     // The block of the shader no longer follows from the header.
-    assert!(with_word(17, 0).contains("lobes_parameters"), "{}", with_word(17, 0));
-    for (length, found) in [(0, 0), (24, 24), (39, 39), (73, 73), (24 + 16 * 33, 552)] {
+    assert!(with_word(18, 0).contains("lobes_parameters"), "{}", with_word(18, 0));
+    for (length, found) in [(0, 0), (28, 28), (43, 43), (77, 77), (28 + 16 * 33, 556)] {
         let mut other = texture();
         other.entries.get_mut(LOBES_ENTRY).unwrap().resize(length, 0);
-        let allowed = "24 bytes and 16 for each of 1 to 32 lobes";
+        let allowed = "28 bytes and 16 for each of 1 to 32 lobes";
         assert_eq!(error(&other), format!("brdfc.lobes: found {found} bytes, expected {allowed}"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{Error, table};
 use brdfc::Input;
-use brdfc::compare::{ColourErrors, FlatComparison, flat_btfs};
+use brdfc::compare::{ColourErrors, flat_btfs};
 use serde::Serialize;
 
 /// Comparison of two flat BTFs of the same surface.
@@ -11,18 +11,17 @@ pub(super) struct FlatReport {
     /// 'flat-btf'.
     kind: &'static str,
     /// Measured errors.
-    #[serde(flatten)]
-    comparison: FlatComparison,
+    errors: ColourErrors,
 }
 
 impl FlatReport {
     /// Compares B with A.
     pub(super) fn new(a: &Input, b: &Input) -> Result<Self, Error> {
-        Ok(Self { kind: "flat-btf", comparison: flat_btfs(a, b)? })
+        Ok(Self { kind: "flat-btf", errors: flat_btfs(a, b)? })
     }
 
     pub(super) fn table(&self) -> String {
-        let ColourErrors { samples, mean, p95, max } = self.comparison.errors;
+        let ColourErrors { samples, mean, p95, max, .. } = self.errors;
         let figures = [mean, p95, max].map(|delta_e| format!("{delta_e:.2}"));
         let row = [samples.to_string()].into_iter().chain(figures).collect::<Vec<_>>();
         table::plain(&["look-ups", "mean ΔE", "95 %", "largest"], [row])
@@ -30,10 +29,10 @@ impl FlatReport {
 
     /// Compares the mean with a limit.
     pub(super) fn check(&self, a: &Input, limit: f64) -> Result<(), Error> {
-        if self.comparison.lit == 0 {
+        if self.errors.lit == 0 {
             return Err(Error::check(format!("{a}: all values are black, so there is no error to check")));
         }
-        let found = self.comparison.errors.mean;
+        let found = self.errors.mean;
         if found <= limit {
             return Ok(());
         }

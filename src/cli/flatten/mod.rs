@@ -13,7 +13,7 @@ use super::output::{json_or, make_folder, note, print};
 use super::steps::Steps;
 use super::{Common, Error, interrupt};
 use brdfc::encode::ErrorLimits;
-use brdfc::flatten::words::{check_materials, delta_e, missed, remarks};
+use brdfc::flatten::words::{check_sources, delta_e, missed, remarks};
 use brdfc::flatten::{FlatAsset, FlattenJob, ImageFacts, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
 use brdfc::{FitLimits, encode::GateResult};
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
@@ -41,12 +41,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let mut recipe = recipe(arguments)?;
     let options = meso_options(arguments, stack.is_some())?;
     check_outputs(arguments, &name)?;
-    let surface = Surface::open(&options, stack, arguments.photographs)?;
+    let steps = Steps::new(common, interrupt::watch()?);
+    let surface = Surface::open(&options, stack, arguments.photographs, &steps)?;
     if let Values::Measured(stack) = &surface.values {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
     }
     let read = surface.images.clone();
-    let evidence = surface.evidence.clone();
+    let reliability = surface.reliability.clone();
     let format = arguments.image_format.unwrap_or(StackFormat::Png);
     let images = arguments.write_images.as_deref().map(|folder| (folder, format));
     let job = FlattenJob {
@@ -63,13 +64,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     for folder in [&arguments.write_images, &arguments.write_flat].into_iter().flatten() {
         make_folder(folder)?;
     }
-    let steps = Steps::new(common, interrupt::watch()?);
     let asset = flatten(job, &steps)?;
     drop(steps);
     for line in remarks(&asset.about) {
         note(common, &arguments.meso, &line);
     }
-    for (name, one) in asset.about.materials.iter().zip(&evidence) {
+    for (name, one) in asset.about.materials.iter().zip(&reliability) {
         one.remarks(delta_e(&asset.about).unwrap_or(0.0)).iter().for_each(|line| note(common, name, line));
     }
     let missed = missed(&asset.about);
@@ -79,12 +79,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     // The default limit is not a check.
     let errors = ErrorLimits { delta_e: arguments.max_delta_e, relative: None };
     let limits = FitLimits { error: None, trusted: arguments.trust_fit };
-    let of_materials = check_materials(&asset.about, &evidence, limits, errors);
-    let of_materials = of_materials
+    let of_sources = check_sources(&asset.about, &reliability, limits, errors);
+    let of_sources = of_sources
         .into_iter()
         .filter_map(|(name, gate): (String, GateResult)| failed(&[gate]).map(|text| format!("{name}: {text}")));
     let missed = missed.filter(|_| arguments.max_delta_e.is_some()).map(|text| format!("--max-delta-e: {text}"));
-    let missed = missed.into_iter().chain(of_materials).reduce(|all, next| format!("{all}; {next}"));
+    let missed = missed.into_iter().chain(of_sources).reduce(|all, next| format!("{all}; {next}"));
     let seconds = started.elapsed().as_secs_f64();
     let text = text(&asset, &read, Some(seconds));
     print(&json_or(common, &Report { asset, read, seconds }, text))?;

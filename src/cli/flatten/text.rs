@@ -2,12 +2,12 @@
 
 use crate::output::printable;
 use brdfc::flatten::words::{errors, facts};
-use brdfc::flatten::{ColourErrors, FlatAsset, ImageFacts};
+use brdfc::flatten::{FlatAsset, ImageFacts};
 
 /// Formats the summary of an asset.
 pub(crate) fn text(asset: &FlatAsset, read: &[ImageFacts], seconds: Option<f64>) -> String {
     let mut rows = facts(asset);
-    for (name, ColourErrors { mean, p95, max, .. }) in errors(&asset.about) {
+    for (name, _, [mean, p95, max]) in errors(&asset.about) {
         rows.push((name, format!("{mean:.2} (95 %: {p95:.1}, largest: {max:.1})")));
     }
     rows.extend(read.iter().map(|facts| (facts.image, facts.conversions.join("; "))));

@@ -11,8 +11,8 @@ use brdfc::environment::{self, EnvironmentPack};
 use brdfc::inspect::AnyPack as Pack;
 use brdfc::lobes::{LobesPack, LobesRecipe, encode};
 use brdfc::render::{
-    Decoding, Environment, Gpu, LinearImage, Material, PrefilteredLight, Scene, Tabulated, Views, converged_integral, draw_integral,
-    integral_material, lobes_views, tabulated, views,
+    Decoding, Environment, Gpu, LinearImage, Material, PrefilteredLight, Scene, Tabulated, Views, converged_integral,
+    draw_integral, integral_material, lobes_views, tabulated, views,
 };
 use brdfc::scene::EnvironmentJob;
 use brdfc::{Input, PackRecipe, Progress as _, Source};

@@ -21,16 +21,26 @@ pub struct ColourErrors {
     pub p95: f64,
     /// Largest ΔE over the probes.
     pub max: f64,
+    /// Number of probes at which the reference is not black.
+    pub lit: usize,
 }
 
 impl ColourErrors {
-    /// Summarises differences; all zero if there are none.
-    pub fn new(mut differences: Vec<f64>) -> Self {
+    /// Summarises pairs of reference and decoded colour; all zero if there are none.
+    pub fn new(pairs: &[([f32; 3], [f32; 3])]) -> Self {
+        let mut differences: Vec<f64> = pairs.par_iter().map(|(truth, found)| difference(*truth, *found)).collect();
         differences.sort_by(f64::total_cmp);
+        let lit = pairs.iter().filter(|(truth, _)| *truth != [0.0; 3]).count();
         let samples = differences.len();
         let at = |share: f64| differences.get(((samples as f64 * share) as usize).min(samples.max(1) - 1));
         let mean = differences.iter().sum::<f64>() / samples.max(1) as f64;
-        Self { samples, mean, p95: at(0.95).copied().unwrap_or(0.0), max: differences.last().copied().unwrap_or(0.0) }
+        Self {
+            samples,
+            mean,
+            p95: at(0.95).copied().unwrap_or(0.0),
+            max: differences.last().copied().unwrap_or(0.0),
+            lit,
+        }
     }
 }
 
@@ -93,11 +103,11 @@ impl Probes {
         truths: &[[f32; 3]],
     ) -> ColourErrors {
         let single = |v: Vector| v.map(|c| c as f32);
-        let error = |(at, place): (usize, &Place)| {
+        let pair = |(at, place): (usize, &Place)| {
             let uv = place.at.map(|c| c as f32);
-            difference(truths[at], decoder.shaded(directions, uv, 0.0, single(place.view), single(place.light)))
+            (truths[at], decoder.shaded(directions, uv, 0.0, single(place.view), single(place.light)))
         };
-        ColourErrors::new(self.0.par_iter().enumerate().map(error).collect())
+        ColourErrors::new(&self.0.par_iter().enumerate().map(pair).collect::<Vec<_>>())
     }
 }
 

@@ -51,6 +51,9 @@ const ANISOTROPIC: Grid = Grid { nodes: 12, azimuths: 8, frames: [30, 20] };
 /// Directions of the integrals: for the fit, and for the error.
 const RESOLUTIONS: [Resolution; 2] = [Resolution { rings: 96, azimuths: 64 }, Resolution { rings: 128, azimuths: 72 }];
 
+/// Largest exponent of the scale of weights, and minus the smallest.
+const MAX_EXPONENT: f32 = 63.0;
+
 /// Error of [`encode`].
 #[derive(Debug, thiserror::Error)]
 pub enum LobesError {
@@ -199,11 +202,17 @@ fn assembled(grid: Grid, system: &System, views: &Views<'_>, sharpest: f64) -> R
         let sum = |k: usize| rows.iter().map(|(one, weights)| one.fetches() as f64 * weights[at][k]).sum::<f64>();
         let scale = [0, 1, 2].map(|k| if sum(k) > view.albedo[k] { view.albedo[k] / sum(k) } else { 1.0 });
         for (row, (one, weights)) in rows.iter().enumerate() {
-            let [r, g, b] = [0, 1, 2].map(|k| ((weights[at][k] * scale[k]) as f32).min(half::MAX));
+            let [r, g, b] = [0, 1, 2].map(|k| (weights[at][k] * scale[k]) as f32);
             texels[row * views.views.len() + at] = [r, g, b, stored(one.sharpness_at(view.outgoing[2]))];
         }
     }
+    // A power of two, so that half floats round materials of all magnitudes alike.
+    let largest = texels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).fold(0.0, f32::max);
+    let scale = if largest > 0.0 { largest.log2().ceil().clamp(-MAX_EXPONENT, MAX_EXPONENT).exp2() } else { 1.0 };
+    for [r, g, b, _] in &mut texels {
+        [r, g, b].into_iter().for_each(|c| *c = (*c / scale).min(half::MAX));
+    }
     let lobes = rows.iter().zip(0..).flat_map(|((one, _), row)| one.lobes(row)).collect();
     let [nodes, azimuths] = [grid.nodes, grid.azimuths].map(|count| count as u32);
-    LobesPack::new(LobesHeader { nodes, azimuths, rows: rows.len() as u32, delta_e: [0.0; 2], lobes }, &texels)
+    LobesPack::new(LobesHeader { nodes, azimuths, rows: rows.len() as u32, scale, delta_e: [0.0; 2], lobes }, &texels)
 }

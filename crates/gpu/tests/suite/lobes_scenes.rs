@@ -47,7 +47,7 @@ fn lobes(azimuths: u32) -> LobesPack {
         (0..azimuths).flat_map(|azimuth| row.map(|weights| texel(azimuth, weights))).collect()
     };
     let texels: Vec<[f32; 4]> = weights.iter().flat_map(row).collect();
-    LobesPack::new(LobesHeader { nodes: 2, azimuths, rows: 4, delta_e: [0.0; 2], lobes }, &texels).unwrap()
+    LobesPack::new(LobesHeader { nodes: 2, azimuths, rows: 4, scale: 1.0, delta_e: [0.0; 2], lobes }, &texels).unwrap()
 }
 
 fn mean_delta_e(a: &LinearImage, b: &LinearImage) -> f64 {
@@ -124,7 +124,7 @@ fn parts_have_lobes_of_their_own() {
 fn a_white_furnace_is_invisible() {
     let uniform = prefilter(&|_| [0.7; 3], 16, 1, &()).unwrap();
     let lobe = Lobe { anchor: Anchor::Normal, tilt: [0.0; 2], row: 0 };
-    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, delta_e: [0.0; 2], lobes: vec![lobe] };
+    let header = LobesHeader { nodes: 2, azimuths: 1, rows: 1, scale: 1.0, delta_e: [0.0; 2], lobes: vec![lobe] };
     let white = LobesPack::new(header, &[[1.0, 1.0, 1.0, 0.0]; 2]).unwrap();
     let light = PrefilteredLight::new(uniform);
     let scene = Scene { environment: Environment::of(4, 2, |_| [0.7; 3]), ..Builtin::Sphere.scene() };

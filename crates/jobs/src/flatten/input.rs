@@ -1,7 +1,7 @@
 //! Opens the inputs of flattening: geometry, materials, images.
 
 use crate::error::Error;
-use crate::report::fit::Evidence;
+use crate::report::fit::Reliability;
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::one_of;
@@ -263,7 +263,7 @@ pub struct Surface {
     /// Statements of the images about their pixels.
     pub images: Vec<ImageFacts>,
     /// Properties of the materials on which the meaning of errors against them depends; empty for an ordinary BTF.
-    pub evidence: Vec<Evidence>,
+    pub reliability: Vec<Reliability>,
 }
 
 impl Surface {
@@ -273,19 +273,24 @@ impl Surface {
     /// # Errors
     /// Returns an error if a file cannot be read, an address is invalid, the geometry does not close, or the materials do not
     /// match it.
-    pub fn open(options: &MesoOptions, btf: Option<&Path>, codes: Option<CodeValues>) -> Result<Self, Error> {
+    pub fn open(
+        options: &MesoOptions,
+        btf: Option<&Path>,
+        codes: Option<CodeValues>,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
         let Some(path) = btf else {
             let geometry = open_geometry(options)?;
             let inputs = material_list(options, &geometry)?;
-            let mut evidence = Vec::new();
+            let mut reliability = Vec::new();
             let mut observe = |source: &dyn Source| -> Result<(), Error> {
-                evidence.push(Evidence::measure(source, DirectionRange::ALL, &())?);
+                reliability.push(Reliability::measure(source, DirectionRange::ALL, progress)?);
                 Ok(())
             };
-            let (appearance, images) = open_observed(options, &inputs, &mut observe, &())?;
+            let (appearance, images) = open_observed(options, &inputs, &mut observe, progress)?;
             let materials = inputs.iter().map(Input::short_name).collect();
             let values = Values::Computed(appearance);
-            return Ok(Self { images: with_heights(&geometry, images), geometry, materials, values, evidence });
+            return Ok(Self { images: with_heights(&geometry, images), geometry, materials, values, reliability });
         };
         let stack = OrdinaryBtf::open_as(path, codes)?;
         let mut geometry = open_geometry(options)?;
@@ -295,7 +300,7 @@ impl Surface {
         let conversions = stack.colour().map(str::to_owned).into_iter().chain(stack.notes().iter().cloned()).collect();
         let images = stack.colour().map(|_| ImageFacts { image: "images", conversions }).into_iter().collect();
         let images = with_heights(&geometry, images);
-        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack), images, evidence: Vec::new() })
+        Ok(Self { geometry, materials: Vec::new(), values: Values::Measured(stack), images, reliability: Vec::new() })
     }
 }
 

@@ -14,7 +14,7 @@ mod trees;
 pub mod words;
 
 pub use asset::{AssetFile, FlatAsset, Settings};
-pub use comparison::{FlatComparison, compare_flat};
+pub use comparison::compare_flat;
 pub use describe::{MeshFacts, SurfaceFacts, describe_surface};
 pub use input::{
     Geometry, ImageFacts, MesoOptions, PLANE, Surface, Values, material_list, open_appearance, open_geometry,

@@ -90,7 +90,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         })?;
     }
     let about = AssetFile {
-        version: 4,
+        version: 5,
         name: job.name.to_owned(),
         source,
         materials,

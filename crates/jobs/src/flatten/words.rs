@@ -1,11 +1,11 @@
 //! Summaries and notes about flat BTFs.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
-use crate::report::fit::{Evidence, Found, check};
+use crate::report::fit::{Found, Reliability, check};
 use crate::report::gate::GateResult;
 use brdfc_codec::{ErrorLimits, FitLimits};
 use brdfc_core::words::{bytes, counted, percent};
-use brdfc_flat_btf::encode::{AssetReport, Reflectance, ReliefForm, VdimRecipe};
+use brdfc_flat_btf::encode::{AssetErrors, AssetReport, Reflectance, ReliefForm, VdimRecipe};
 use brdfc_flat_btf::factored::{FactoredFacts, FactoredTarget};
 use brdfc_flat_btf::probes::ColourErrors;
 use brdfc_flat_btf::weld::WeldReport;
@@ -65,7 +65,8 @@ pub fn delta_e(asset: &AssetFile) -> Option<f64> {
 /// Message if the reflectance misses its target; `None` if it meets it.
 pub fn missed(asset: &AssetFile) -> Option<String> {
     let FactoredTarget::Error(most) = asset.settings.target else { return None };
-    let found = delta_e(asset).filter(|found| *found > most)?;
+    // NaN misses it.
+    let found = delta_e(asset).filter(|found| !found.is_finite() || *found > most)?;
     let form = match (&asset.trees, &asset.report.factored) {
         (None, Some(factored)) => {
             let form = match factored.components {
@@ -79,21 +80,27 @@ pub fn missed(asset: &AssetFile) -> Option<String> {
     Some(format!("found a mean ΔE of {found:.3} with {form}, expected at most {most}"))
 }
 
-/// Checks of the materials of an asset, if limits are set: the same as those of packs. The error of a mixture is that of
-/// each material; a mixture is black if all of them are.
-pub fn check_materials(
+/// Checks of what an asset was made from, if limits are set: the same as those of packs. The error of a mixture is that of
+/// each material. The surface with all its images and materials has to reflect light.
+pub fn check_sources(
     asset: &AssetFile,
-    evidence: &[Evidence],
+    materials: &[Reliability],
     limits: FitLimits,
     errors: ErrorLimits,
 ) -> Vec<(String, GateResult)> {
-    let black = evidence.iter().all(|one| one.black);
+    let AssetErrors { from_surface, from_images } = asset.report.errors;
+    let black = match from_images.or(from_surface) {
+        Some(errors) => errors.lit == 0,
+        None => materials.iter().all(|one| one.black),
+    };
     let found = Found { delta_e: delta_e(asset), relative: None, all_lights: true };
-    let named = asset.materials.iter().zip(evidence).flat_map(|(name, one)| {
-        let results = check(limits, errors, &Evidence { black, ..*one }, found);
-        results.into_iter().map(|result| (name.clone(), result))
+    let whole = [(&asset.name, Reliability { fit: None, black })];
+    let fits = asset.materials.iter().zip(materials).filter(|_| !black);
+    let fits = fits.map(|(name, one)| (name, Reliability { black: false, ..*one }));
+    let checked = whole.into_iter().chain(fits).flat_map(|(name, source)| {
+        check(limits, errors, &source, found).into_iter().map(|result| (name.clone(), result))
     });
-    named.collect()
+    checked.collect()
 }
 
 /// Messages about repairs of a mesh, one per kind; empty if nothing was repaired.
@@ -172,19 +179,19 @@ fn relief(settings: &Settings, report: &AssetReport) -> (&'static str, String) {
     ("indirection map", format!("{polar_angles} x {azimuth_rows} {form}views up to {largest_angle}°, {shadows}"))
 }
 
-/// Its measured errors with their names.
-pub fn errors(asset: &AssetFile) -> Vec<(&'static str, ColourErrors)> {
+/// Its measured errors with their names: number of samples; mean, 95th percentile and maximum.
+pub fn errors(asset: &AssetFile) -> Vec<(&'static str, usize, [f64; 3])> {
     let errors = &asset.report.errors;
     let of_reflectance = asset.report.factored.as_ref().map(|FactoredFacts { errors, .. }| {
-        let [mean, p95, max] = [errors.seen_mean, errors.seen_p95, errors.seen_max].map(f64::from);
-        ColourErrors { samples: errors.texels as usize, mean, p95, max }
+        (errors.texels as usize, [errors.seen_mean, errors.seen_p95, errors.seen_max].map(f64::from))
     });
+    let figures = |errors: ColourErrors| (errors.samples, [errors.mean, errors.p95, errors.max]);
     [
-        ("ΔE from the surface", errors.from_surface),
-        ("ΔE from the images", errors.from_images),
+        ("ΔE from the surface", errors.from_surface.map(figures)),
+        ("ΔE from the images", errors.from_images.map(figures)),
         ("ΔE of the reflectance, at texels", of_reflectance),
     ]
     .into_iter()
-    .filter_map(|(name, error)| Some((name, error?)))
+    .filter_map(|(name, error)| error.map(|(samples, figures)| (name, samples, figures)))
     .collect()
 }

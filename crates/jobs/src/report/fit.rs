@@ -1,5 +1,5 @@
-//! Checks of limits that apply to any output of any codec and command: whether there is anything to measure, and whether a
-//! scan determines the material.
+//! Checks of limits that apply to the output of any codec, by `encode`, `build`, `convert` and `flatten`: whether there is
+//! anything to measure, and whether a scan determines the material.
 
 use super::gate::GateResult;
 use brdfc_codec::{ErrorLimits, FitLimits, TAIL};
@@ -8,21 +8,18 @@ use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_core::source::Repeats;
 use brdfc_core::words::percent;
 use brdfc_formats::crop::DirectionRange;
-use brdfc_formats::direction::DirectionPair;
 use brdfc_metrics::compare::{Comparison, is_black, mean_value};
 use brdfc_metrics::fit_error::FitError;
 use brdfc_metrics::sampling::PairSet;
 use brdfc_metrics::values::values_at;
 use serde::Serialize;
 
-/// Every pair of the test directions whose number is a multiple of this is evaluated for light.
-const COARSE: usize = 8;
 /// Reason why no error of a black material is measured.
 const NO_LIGHT: &str = "no light: the material is black in all tested directions";
 
 /// Properties of a source on which the meaning of an error against it depends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Evidence {
+pub struct Reliability {
     /// Error of the fit to samples; absent for sources that are not fitted.
     pub fit: Option<FitError>,
     /// True for a material without any light at the test directions.
@@ -51,7 +48,7 @@ impl Found {
     }
 }
 
-impl Evidence {
+impl Reliability {
     /// Measures a source within a range of directions.
     ///
     /// # Errors
@@ -61,15 +58,12 @@ impl Evidence {
         directions: DirectionRange,
         progress: &dyn Progress,
     ) -> Result<Self, Cancelled> {
-        let measure = |completion| FitError::measure(source, completion, directions, progress);
-        let fit = source.completion().map(measure).transpose()?;
         let set = PairSet::within(directions);
-        let uniform: Vec<DirectionPair> = set.pairs[..set.of_mean].iter().copied().step_by(COARSE).collect();
-        let (values, _) = values_at(source, &uniform);
-        Ok(Self { fit, black: is_black(mean_value(&values)) })
+        let (values, _) = values_at(source, &set.pairs[..set.of_mean]);
+        Ok(Self { fit: fit_error(source, directions, progress)?, black: is_black(mean_value(&values)) })
     }
 
-    /// The evidence in the report of a pack.
+    /// The reliability of a source that has been compared with an output.
     pub fn of(fit: Option<FitError>, off_grid: &Comparison) -> Self {
         Self { fit, black: off_grid.norms.samples > 0 && is_black(off_grid.mean) }
     }
@@ -83,10 +77,23 @@ impl Evidence {
     }
 }
 
+/// Error of the fit to samples within a range of directions; `None` for sources that are not fitted.
+///
+/// # Errors
+/// Returns an error if cancelled.
+pub fn fit_error(
+    source: &dyn Source,
+    directions: DirectionRange,
+    progress: &dyn Progress,
+) -> Result<Option<FitError>, Cancelled> {
+    let measure = |completion| FitError::measure(source, completion, directions, progress);
+    source.completion().map(measure).transpose()
+}
+
 /// Checks the fit of the source against its limits, and the errors of fit and output together against the limits of errors.
 /// If limits are set, a black material fails, and so does a scan that does not determine what the error is a mean of.
-pub fn check(limits: FitLimits, errors: ErrorLimits, evidence: &Evidence, found: Found) -> Vec<GateResult> {
-    if evidence.black {
+pub fn check(limits: FitLimits, errors: ErrorLimits, source: &Reliability, found: Found) -> Vec<GateResult> {
+    if source.black {
         let set = [
             ("max_delta_e", errors.delta_e.map(|limit| limit.to_string())),
             ("max_error", errors.relative.map(percent)),
@@ -98,7 +105,7 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, evidence: &Evidence, found:
         return set.into_iter().filter_map(failed).collect();
     }
     let mut results = Vec::new();
-    let Some(fit) = &evidence.fit else { return results };
+    let Some(fit) = &source.fit else { return results };
     let extrapolation = fit.extrapolation().filter(|_| !limits.trusted);
     let or_trusted = |allowed: &str| format!("{allowed}; trust_fit (--trust-fit) accepts the fit");
     if let Some(limit) = limits.error {
@@ -160,7 +167,7 @@ pub fn check_output(errors: ErrorLimits, comparison: &Comparison) -> Vec<GateRes
             0 => ("no sample above the floor".to_owned(), false),
             _ => (format!("{:.3} %", 100.0 * norms.relative_mean), norms.relative_mean <= limit),
         };
-        GateResult::new("max_error", found, format!("at most {} %", 100.0 * limit), passed)
+        GateResult::new("max_error", found, at_most(&percent(limit)), passed)
     });
     of_delta_e.into_iter().chain(of_relative).collect()
 }
@@ -172,7 +179,7 @@ pub fn check_report(
     fit: Option<FitError>,
     off_grid: &Comparison,
 ) -> Vec<GateResult> {
-    check(limits, errors, &Evidence::of(fit, off_grid), Found::of(off_grid))
+    check(limits, errors, &Reliability::of(fit, off_grid), Found::of(off_grid))
 }
 
 /// Spread of repeated samples above which it is reported.
@@ -280,20 +287,40 @@ mod tests {
         let limits = FitLimits { error: Some(0.1), trusted: true };
         let errors = ErrorLimits { delta_e: Some(1.0), relative: Some(0.1) };
         for black in [true, false] {
-            let results = check(limits, errors, &Evidence { fit: None, black }, Found::default());
+            let results = check(limits, errors, &Reliability { fit: None, black }, Found::default());
             let keys: Vec<&str> = results.iter().map(|result| result.gate.as_str()).collect();
             assert_eq!(keys, if black { &["max_delta_e", "max_error", "max_fit_error"][..] } else { &[] });
         }
         let beyond = FitError { test_directions: Gaps { farthest: 40.0, uncovered: 0.3 }, ..GOOD };
-        let beyond = Evidence { fit: Some(beyond), black: false };
+        let beyond = Reliability { fit: Some(beyond), black: false };
         let limit = ErrorLimits { delta_e: Some(5.0), relative: None };
         for all_lights in [true, false] {
             let found = Found { delta_e: Some(0.1), all_lights, ..Found::default() };
             assert_eq!(check(FitLimits::default(), limit, &beyond, found).is_empty(), !all_lights);
         }
-        let none =
-            check(FitLimits::default(), ErrorLimits::default(), &Evidence { fit: None, black: true }, Found::default());
+        let none = check(
+            FitLimits::default(),
+            ErrorLimits::default(),
+            &Reliability { fit: None, black: true },
+            Found::default(),
+        );
         assert_eq!(none, []);
+    }
+
+    /// A lobe too narrow for most test directions is black by both definitions or by none.
+    #[test]
+    fn sources_and_comparisons_are_black_alike() {
+        for (address, black) in [
+            ("synth:ward?kd=0&ks=0.1&ax=0.001&ay=0.001", false),
+            ("synth:lambert?kd=0", true),
+            ("synth:lambert?kd=0.01", false),
+        ] {
+            let opened = open(address, None).expect("a model");
+            let source = opened.source.as_ref();
+            let measured = Reliability::measure(source, DirectionRange::ALL, &()).expect("it is not cancelled");
+            let made = encode(source, &PackRecipe::default(), &()).expect("a pack");
+            assert_eq!((measured.black, Reliability::of(None, &made.off_grid).black), (black, black), "{address}");
+        }
     }
 
     #[test]

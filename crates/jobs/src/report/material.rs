@@ -1,11 +1,11 @@
 //! The report of one encoded material.
 
-use super::fit::Evidence;
+use super::fit::Reliability;
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use crate::pack_files::entries;
 use brdfc_codec::HIGHLIGHT;
 use brdfc_core::progress::{Cancelled, Progress};
-use brdfc_core::words::bytes;
+use brdfc_core::words::{bytes, percent};
 use brdfc_core::{StrayRows, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
@@ -115,6 +115,11 @@ const ALBEDO: f64 = 0.05;
 
 /// Albedo of a source above which it is reported as not energy-conserving. Measurements at grazing angles exceed 1 slightly.
 const ENERGY: f64 = 1.1;
+/// Albedos outside this range suggest values in another unit. The blackest coatings reflect a few ten-thousandths.
+const USUAL_ALBEDO: [f64; 2] = [1e-4, 10.0];
+
+/// Hint for albedos outside the usual range.
+const UNITS: &str = "; check the unit of its values, which is 1/sr";
 
 /// Notes on a material, one per line; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
@@ -131,25 +136,32 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         )
     }));
     lines.extend(repairs_summary(&report.repairs));
-    let evidence = Evidence::of(report.fit, &report.off_grid);
-    lines.extend(evidence.remarks(report.off_grid.rendering.delta_e.mean));
-    if evidence.black {
+    let source = Reliability::of(report.fit, &report.off_grid);
+    lines.extend(source.remarks(report.off_grid.rendering.delta_e.mean));
+    if source.black {
         return lines;
     }
     if let Some(AveragingCost { delta_e, relative_error }) = report.averaging
         && (delta_e >= 0.005 || relative_error >= 5e-5)
     {
-        let percent = 100.0 * relative_error;
-        lines.push(format!("symmetrising alone causes a ΔE of {delta_e:.2} and ε_r of {percent:.2} %"));
+        let relative_error = percent(relative_error);
+        lines.push(format!("symmetrising alone causes a ΔE of {delta_e:.2} and ε_r of {relative_error}"));
     }
     if let Some(highlight) = report.off_grid.highlight.filter(|highlight| highlight.retained() < HIGHLIGHT) {
         lines.push(format!("the highlight keeps {}", highlight.summary()));
     }
-    let whole = report.off_grid.albedo.iter().flat_map(|point| point.reference).fold(1.0, f64::max);
-    if whole > ENERGY {
-        let times = if whole < 1000.0 { format!("{whole:.2}") } else { format!("{whole:.1e}") };
-        lines.push(format!("not energy-conserving: the source reflects up to {times} times the light that reaches it"));
+    let largest = report.off_grid.albedo.iter().flat_map(|point| point.reference).fold(0.0, f64::max);
+    let [least, most] = USUAL_ALBEDO;
+    if largest > ENERGY {
+        let times = if largest < 1000.0 { format!("{largest:.2}") } else { format!("{largest:.1e}") };
+        let units = if largest > most { UNITS } else { "" };
+        let what = "not energy-conserving: the source reflects up to";
+        lines.push(format!("{what} {times} times the light that reaches it{units}"));
+    } else if largest < least {
+        let share = percent(largest);
+        lines.push(format!("the source reflects at most {share} of the light that reaches it{UNITS}"));
     }
+    let whole = largest.max(1.0);
     // Relative to the albedo of sources that are not energy-conserving.
     if report.off_grid.albedo_max_difference > ALBEDO * whole {
         let most = report.off_grid.albedo_max_difference;

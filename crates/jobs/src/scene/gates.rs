@@ -1,7 +1,7 @@
 //! Gates: limits that a finished pack has to meet, independently of its recipe. A gate with nothing to measure fails.
 
 use super::lobes::{LOBES, LobesReport};
-use crate::report::fit::{self, Evidence, Found};
+use crate::report::fit::{self, Found, Reliability};
 use crate::report::gate::GateResult;
 use crate::report::material::MaterialReport;
 use brdfc_codec::{Budget, ErrorLimits, FitLimits, OptionError};
@@ -66,7 +66,7 @@ pub fn check(gates: &Gates, report: &MaterialReport, lobes: Option<&LobesReport>
     if let Some(lobes) = lobes {
         let found = Found { delta_e: Some(lobes.facts.delta_e.mean), relative: None, all_lights: true };
         let limits = FitLimits { error: None, ..gates.fit };
-        let of_lobes = fit::check(limits, gates.lobes, &Evidence::of(report.fit, &report.off_grid), found);
+        let of_lobes = fit::check(limits, gates.lobes, &Reliability::of(report.fit, &report.off_grid), found);
         results.extend(
             of_lobes.into_iter().map(|result| GateResult { gate: format!("{LOBES}.{}", result.gate), ..result }),
         );

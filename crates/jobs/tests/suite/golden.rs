@@ -12,7 +12,7 @@ use brdfc_testing::testdata;
 /// The file of a flat BTF.
 fn flat_btf(name: &str, options: &MesoOptions, recipe: &FlattenRecipe, supercompress: bool) -> Packs {
     let folder = tempfile::tempdir().expect("a folder for the file");
-    let surface = Surface::open(options, None, None).unwrap_or_else(|error| panic!("{error}"));
+    let surface = Surface::open(options, None, None, &()).unwrap_or_else(|error| panic!("{error}"));
     let job = FlattenJob { name, folder: folder.path(), recipe, supercompress, surface, images: None, raw: None };
     flatten(job, &()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let file = format!("{name}.ktx2");

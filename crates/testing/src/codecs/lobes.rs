@@ -14,7 +14,7 @@ pub struct Lobes;
 
 /// A single lobe, a pair and so on in turn, around all anchors.
 fn header([nodes, azimuths]: [u32; 2], lobes: usize, numbers: &mut Numbers) -> LobesHeader {
-    let mut header = LobesHeader { nodes, azimuths, rows: 0, delta_e: [0.6, 2.1], lobes: Vec::new() };
+    let mut header = LobesHeader { nodes, azimuths, rows: 0, scale: 1.5, delta_e: [0.6, 2.1], lobes: Vec::new() };
     while header.lobes.len() < lobes {
         let row = header.rows;
         let anchor = Anchor::ALL[row as usize % 3];
@@ -92,6 +92,7 @@ impl TestedCodec for Lobes {
             numbers.words([lobe.anchor as u32, lobe.row]);
             numbers.add(lobe.tilt);
         }
+        numbers.add([header.scale]);
         numbers.add(header.delta_e);
         numbers.add(pack.weights().iter().flatten().copied());
         for outgoing in directions().map(single) {

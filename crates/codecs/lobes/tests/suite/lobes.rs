@@ -2,6 +2,7 @@
 
 use crate::ENVIRONMENTS;
 use brdfc_core::address::parse_synth;
+use brdfc_core::source::Symmetry;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::direction::{DirectionPair, from_polar};
 use brdfc_formats::lobes::{Anchor, LobesPack, view_position};
@@ -22,12 +23,18 @@ fn cosines(pack: &LobesPack) -> Vec<f64> {
     (0..pack.header().nodes).map(|node| (1.0 - (f64::from(node) / last).powi(2)).max(0.02)).collect()
 }
 
+/// Weights with the scale, and sharpness.
+fn weights(pack: &LobesPack) -> Vec<[f32; 4]> {
+    let scale = pack.header().scale;
+    pack.weights().iter().map(|[r, g, b, sharpness]| [scale * r, scale * g, scale * b, *sharpness]).collect()
+}
+
 /// Sum of the weights of all lobes at a node.
 fn sum(pack: &LobesPack, node: usize) -> [f64; 3] {
     let nodes = pack.header().views();
     let mut sum = [0.0; 3];
     for lobe in &pack.header().lobes {
-        let weight = pack.weights()[lobe.row as usize * nodes + node];
+        let weight = weights(pack)[lobe.row as usize * nodes + node];
         (0..3).for_each(|k| sum[k] += f64::from(weight[k]));
     }
     sum
@@ -63,10 +70,45 @@ fn lambert_is_the_irradiance_times_the_albedo() {
     assert!(best.meets && best.error.mean < 0.3, "{:?}", best.error);
     let header = best.pack.header();
     assert_eq!((header.lobes.len(), header.lobes[0].anchor, header.lobes[0].tilt), (1, Anchor::Normal, [0.0; 2]));
-    for (node, [r, g, b, sharpness]) in best.pack.weights().iter().enumerate() {
+    for (node, [r, g, b, sharpness]) in weights(&best.pack).iter().enumerate() {
         let near = [(r, 0.8), (g, 0.5), (b, 0.1)].iter().all(|(found, albedo)| (*found / albedo - 1.0).abs() < 0.01);
         assert!(near && *sharpness == 0.0, "{node}: {r} {g} {b} {sharpness}");
     }
+}
+
+/// A source times a factor.
+struct Times<'a>(&'a dyn Source, f64);
+
+impl Source for Times<'_> {
+    fn eval(&self, pair: DirectionPair, tally: &mut Tally) -> [f64; 3] {
+        self.0.eval(pair, tally).map(|f| self.1 * f)
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.0.symmetry()
+    }
+}
+
+/// Values in other units, which half floats alone would round to a few digits or clip, have the same lobes.
+#[test]
+fn magnitudes_do_not_matter() {
+    let source = source("synth:ggx?kd=0.2&f0=0.3&alpha=0.3");
+    let recipe = LobesRecipe { max_fetches: 3, max_delta_e: None };
+    let of = |factor: f64| {
+        let encoded = encode(&Times(source.as_ref(), factor), &ENVIRONMENTS, &recipe, &()).unwrap();
+        encoded.best().pack.clone()
+    };
+    let plain = of(1.0);
+    for exponent in [-30, 30] {
+        let factor = 2f64.powi(exponent);
+        let scaled = of(factor);
+        assert_eq!(scaled.weights(), plain.weights());
+        assert_eq!(scaled.header().scale, plain.header().scale * factor as f32);
+        assert_eq!(scaled.header().lobes, plain.header().lobes);
+    }
+    // The largest weight uses the range.
+    let largest = plain.weights().iter().flat_map(|texel| texel[..3].to_vec()).fold(0.0, f32::max);
+    assert!((0.5..=1.0).contains(&largest), "{largest}");
 }
 
 #[test]
@@ -116,19 +158,19 @@ fn mirrors_follow_the_mirror_direction() {
     let (header, nodes) = (best.pack.header(), best.pack.header().nodes as usize);
     let of_anchor = |anchor: Anchor| -> f32 {
         let lobes = header.lobes.iter().filter(|lobe| lobe.anchor == anchor);
-        lobes.map(|lobe| best.pack.weights()[lobe.row as usize * nodes][1]).sum()
+        lobes.map(|lobe| weights(&best.pack)[lobe.row as usize * nodes][1]).sum()
     };
     let shares = Anchor::ALL.map(of_anchor);
     println!("{shares:?} {:?}", best.error);
     assert!(shares[1] > 0.8 * shares.iter().sum::<f32>() && shares[1] > 0.5, "{shares:?}");
     // The sharpest look-up that these environments have.
-    let largest = best.pack.weights().iter().map(|texel| texel[3]).fold(0.0, f32::max);
+    let largest = weights(&best.pack).iter().map(|texel| texel[3]).fold(0.0, f32::max);
     assert!(largest > 2.0, "{largest}");
     // Finer environments have sharper levels than the fit: a mirror asks for them, a rougher material does not.
     let sharpest = ENVIRONMENTS.training[0].header().sharpest() as f32;
     let sharpness = |alpha: f64| {
         let found = encoded(&format!("synth:ggx?kd=0&f0=0.9&alpha={alpha}"), 2, None);
-        found.best().pack.weights().iter().map(|texel| texel[3]).fold(0.0, f32::max)
+        weights(&found.best().pack).iter().map(|texel| texel[3]).fold(0.0, f32::max)
     };
     assert!(sharpness(0.003) > sharpest + 1.0 && sharpness(0.3) < sharpest, "{} {}", sharpness(0.003), sharpness(0.3));
     // A matte material has no lobe in that direction.
@@ -154,7 +196,7 @@ fn anisotropic_highlights_follow_the_tangent() {
     // Above the normal there is one view: all azimuths have the same weights.
     let (nodes, azimuths) = (header.nodes as usize, header.azimuths as usize);
     for row in 0..header.rows as usize {
-        let first = |azimuth: usize| pack.weights()[(row * azimuths + azimuth) * nodes];
+        let first = |azimuth: usize| weights(pack)[(row * azimuths + azimuth) * nodes];
         assert!((1..azimuths).all(|azimuth| first(azimuth) == first(0)), "row {row}");
     }
     let radiance = |pack: &LobesPack, turn: f64, axes: [[f32; 3]; 3]| {
@@ -209,7 +251,7 @@ fn nodes_have_their_view_angles() {
     for (node, cosine) in cosines(pack).into_iter().enumerate().rev().skip(1) {
         assert!((view_position(cosine as f32) * last - node as f32).abs() < 1e-3, "{node} {cosine}");
         let outgoing = [(1.0 - cosine * cosine).sqrt() as f32, 0.0, cosine as f32];
-        let stored = pack.weights()[node];
+        let stored = weights(pack)[node];
         let look = pack.lookup(outgoing, 0);
         assert!((0..3).all(|k| (look.weight[k] - stored[k]).abs() < 1e-3), "{node}: {look:?} {stored:?}");
     }

@@ -96,9 +96,9 @@ fn errors_table(asset: &AssetFile) -> Markup {
         } @else {
             div.scroll { table.wraps {
                 thead { tr { th { "error" } th { "points" } th { "mean" } th { "95 %" } th { "largest" } } }
-                tbody { @for (name, error) in known { tr {
-                    td { (name) } td { (error.samples) }
-                    @for value in [error.mean, error.p95, error.max] { td { (format!("{value:.2}")) } }
+                tbody { @for (name, samples, figures) in known { tr {
+                    td { (name) } td { (samples) }
+                    @for value in figures { td { (format!("{value:.2}")) } }
                 } } }
             } }
         }

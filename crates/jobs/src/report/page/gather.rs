@@ -46,11 +46,11 @@ pub struct Page {
 pub const PER_PAGE: usize = 100;
 
 impl Page {
-    /// Address of a material's section.
-    pub(super) fn address(&self, material: &str) -> String {
-        let at = self.materials.binary_search_by(|one| one.entry.material.as_str().cmp(material));
-        let part = at.ok().and_then(|at| self.parts.get(at / PER_PAGE)).map_or(String::new(), |part| escaped(part));
-        format!("{part}#{material}")
+    /// Address of a material's section; `None` for a material that the page leaves out or the build no longer has.
+    pub(super) fn address(&self, material: &str) -> Option<String> {
+        let at = self.materials.binary_search_by(|one| one.entry.material.as_str().cmp(material)).ok()?;
+        let part = self.parts.get(at / PER_PAGE).map_or(String::new(), |part| escaped(part));
+        Some(format!("{part}#{material}"))
     }
 
     /// Name of the first material of a part.

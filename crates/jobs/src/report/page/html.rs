@@ -74,7 +74,7 @@ fn regressions(page: &Page) -> Markup {
                 div.scroll { table {
                     thead { tr { th { "material" } th.left { "figure" } th { "before" } th { "now" } th { "growth" } } }
                     tbody { @for worse in &page.regressions { tr {
-                        td { a href=(page.address(&worse.material)) { (worse.material) } }
+                        td { a href=[page.address(&worse.material)] { (worse.material) } }
                         td.left { (worse.figure) }
                         td.words[worse.growth.is_none()] { (worse.before) } td.bad.words[worse.growth.is_none()] { (worse.now) }
                         td { @if let Some(growth) = worse.growth { (percent(growth)) } @else { "-" } }
@@ -107,7 +107,7 @@ fn table(page: &Page) -> Markup {
                 @let entry = &material.entry;
                 tr {
                     td {
-                        a href=(page.address(&entry.material)) { (breakable(&entry.material)) }
+                        a href=[page.address(&entry.material)] { (breakable(&entry.material)) }
                         @if entry.retained { " " span.soft { "retained" } }
                     }
                     @if let Some(report) = &entry.report {
@@ -143,7 +143,7 @@ fn lobes(page: &Page) -> Markup {
             div.scroll { table.all {
                 thead { tr { @for name in ["material", "look-ups", "on disk", "on GPU", "ΔE", "ΔE 95 %", ""] { (head(name)) } } }
                 tbody { @for (name, lobes) in rows { tr {
-                    td { a href=(page.address(name)) { (breakable(name)) } }
+                    td { a href=[page.address(name)] { (breakable(name)) } }
                     td { (lobes.facts.fetches) }
                     td data-value=(lobes.bytes_on_disk) { (bytes(lobes.bytes_on_disk)) }
                     td data-value=(lobes.facts.gpu_bytes) { (bytes(lobes.facts.gpu_bytes)) }
