@@ -59,7 +59,7 @@ fn error(texture: &Texture) -> String {
 #[test]
 fn the_dump_on_the_page() {
     let bytes = example().to_bytes(false);
-    assert_eq!(check_dump(include_str!("../../src/lobes/spec.md"), &bytes), 39);
+    assert_eq!(check_dump(include_str!("../../src/lobes/spec.md"), &bytes), 40);
     assert_eq!(LobesPack::from_bytes(&bytes).unwrap(), example());
 }
 

@@ -59,8 +59,8 @@ impl ImageOutputs {
         ])
     }
 
-    /// Computes and writes them. The image for web viewers has the polynomials of a map, if there is one. Also returns why it has no
-    /// normals.
+    /// Computes and writes them. The image for web viewers has the polynomials of a map, if there is one. Also returns why there are no
+    /// normals, or why they are unreliable.
     pub fn write(
         &self,
         samples: &LightSamples,
@@ -79,6 +79,7 @@ impl ImageOutputs {
             },
             None => (None, None),
         };
+        let note = note.or_else(|| surface.as_ref()?.1.doubt());
         if let Some((maps, report)) = surface.as_ref().filter(|_| images) {
             self.normals.as_ref().map_or(Ok(()), |path| write_file(path, &normals_png(maps)))?;
             self.albedo.as_ref().map_or(Ok(()), |path| write_file(path, &albedo_png(maps)))?;
@@ -108,9 +109,10 @@ impl ImageReports {
     pub fn summary(&self) -> String {
         let mut text = String::new();
         let pixels = |[width, height]: [usize; 2]| format!("{width} x {height}");
-        if let Some(SurfaceReport { size, lights, outliers }) = self.surface {
-            let row = vec![pixels(size), lights.to_string(), table::percent(outliers)];
-            text.push_str(&table::plain(&["normals", "lights", "outliers"], &[row]));
+        if let Some(SurfaceReport { size, lights, outliers, between_halves }) = self.surface {
+            let between = between_halves.map_or("-".to_owned(), |angle| format!("{angle:.1}°"));
+            let row = vec![pixels(size), lights.to_string(), table::percent(outliers), between];
+            text.push_str(&table::plain(&["normals", "lights", "outliers", "between halves"], &[row]));
         }
         if let Some(web) = &self.web {
             let decimals = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));

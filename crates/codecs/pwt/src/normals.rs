@@ -27,6 +27,9 @@ const MIN_DETERMINANT: f64 = 1e-5;
 /// Residual from which an observation counts as an outlier in reports, as a share of the albedo.
 const OUTLIER: f32 = 0.1;
 
+/// Rows between those whose normals are also computed from halves of the lights.
+const HALVED_ROWS: usize = 8;
+
 /// One number per lane.
 type Lanes = [f32; LANES];
 
@@ -42,6 +45,9 @@ pub struct SurfaceMaps {
     /// Share of the observations of defined pixels that differ from Lambert's law by more than a tenth of the albedo: shadows, gloss and
     /// interreflections.
     pub outliers: f64,
+    /// Mean angle between normals from every other light and from the remaining lights, degrees; `None` if halves of the lights do not
+    /// determine normals.
+    pub between_halves: Option<f64>,
 }
 
 impl SurfaceMaps {
@@ -60,24 +66,39 @@ impl SurfaceMaps {
 pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> {
     samples.check()?;
     let lights = &samples.lights;
+    let allowed = "3 or more, not all in one plane through the surface, to determine normals";
+    if lights.len() < 3 {
+        return Err(FormatError::whole("lights", lights.len().to_string(), allowed));
+    }
+    if is_one_plane(lights) {
+        return Err(FormatError::whole("lights", format!("{} in one plane", lights.len()), allowed));
+    }
+    let width = samples.size[0];
+    let halves =
+        [0, 1].map(|first| half(lights, first)).into_iter().all(|half| half.len() >= 3 && !is_one_plane(&half));
+    let row = |row: usize| solve_row(samples, row * width, halves && row.is_multiple_of(HALVED_ROWS));
+    let rows: Vec<Row> = (0..samples.size[1]).into_par_iter().map(row).collect();
+    let outliers: usize = rows.iter().map(|row| row.outliers).sum();
+    let angles: Vec<f64> = rows.iter().flat_map(|row| row.between_halves.iter().copied()).collect();
+    let between_halves = (!angles.is_empty()).then(|| angles.iter().sum::<f64>() / angles.len() as f64);
+    let observations = (samples.defined_texels() * lights.len()) as f64;
+    let (normals, albedo) = rows.into_iter().flat_map(|row| row.pixels).unzip();
+    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers: outliers as f64 / observations, between_halves })
+}
+
+/// Every other element.
+fn half<T: Copy>(all: &[T], first: usize) -> Vec<T> {
+    all.iter().copied().skip(first).step_by(2).collect()
+}
+
+/// Returns true if lights are almost in one plane through the surface.
+fn is_one_plane(lights: &[[f32; 3]]) -> bool {
     let mut spread = Matrix3::zeros();
     for light in lights {
         let light = nalgebra::Vector3::from(light.map(f64::from));
         spread += light * light.transpose() / lights.len() as f64;
     }
-    let allowed = "3 or more, not all in one plane through the surface, to determine normals";
-    if lights.len() < 3 {
-        return Err(FormatError::whole("lights", lights.len().to_string(), allowed));
-    }
-    if spread.symmetric_eigenvalues().min() < MIN_SPREAD {
-        return Err(FormatError::whole("lights", format!("{} in one plane", lights.len()), allowed));
-    }
-    let width = samples.size[0];
-    let rows: Vec<Row> = (0..samples.size[1]).into_par_iter().map(|row| solve_row(samples, row * width)).collect();
-    let outliers: usize = rows.iter().map(|row| row.outliers).sum();
-    let observations = (samples.defined_texels() * lights.len()) as f64;
-    let (normals, albedo) = rows.into_iter().flat_map(|row| row.pixels).unzip();
-    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers: outliers as f64 / observations })
+    spread.symmetric_eigenvalues().min() < MIN_SPREAD
 }
 
 /// One row of pixels.
@@ -86,12 +107,14 @@ struct Row {
     pixels: Vec<([f32; 3], [f32; 3])>,
     /// Number of outliers.
     outliers: usize,
+    /// Angles between normals from halves of the lights, degrees.
+    between_halves: Vec<f64>,
 }
 
-/// Solves the row that starts at a pixel.
-fn solve_row(samples: &LightSamples, first: usize) -> Row {
+/// Solves the row that starts at a pixel, with `halves` also from each half of the lights.
+fn solve_row(samples: &LightSamples, first: usize, halves: bool) -> Row {
     let width = samples.size[0];
-    let mut row = Row { pixels: Vec::with_capacity(width), outliers: 0 };
+    let mut row = Row { pixels: Vec::with_capacity(width), outliers: 0, between_halves: Vec::new() };
     for start in (first..first + width).step_by(LANES) {
         let count = LANES.min(first + width - start);
         let is_defined = |lane: usize| lane < count && samples.is_defined(start + lane);
@@ -105,6 +128,12 @@ fn solve_row(samples: &LightSamples, first: usize) -> Row {
             })
             .collect();
         let scaled = solve(&samples.lights, &luminances);
+        if halves {
+            let [a, b] = [0, 1].map(|first| solve(&half(&samples.lights, first), &half(&luminances, first)));
+            let normals = |lane: usize| [a, b].map(|g| normal_of(g.map(|c| c[lane])).unwrap_or(UP));
+            let lanes = (0..count).filter(|lane| is_defined(*lane)).map(normals);
+            row.between_halves.extend(lanes.map(|[a, b]| f64::from(lit(a, b).min(1.0).acos().to_degrees())));
+        }
         for lane in 0..count {
             let g = scaled.map(|c| c[lane]);
             let (normal, albedo) = finished(samples, start + lane, g);
@@ -172,15 +201,20 @@ fn equations(lights: &[[f32; 3]], luminances: &[Lanes], g: &[Lanes; 3], floor: &
     sums
 }
 
-/// Normal of `g`, and the albedo of each channel: the fit with the weights of luminance.
-fn finished(samples: &LightSamples, pixel: usize, g: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+/// Normal of black pixels.
+const UP: [f32; 3] = [0.0, 0.0, 1.0];
+
+/// Normal of a solution; `None` for a black pixel.
+fn normal_of(g: [f32; 3]) -> Option<[f32; 3]> {
     // Surfaces that face away are not visible: noise at a grazing angle, or no Lambertian surface at all.
     let facing = [g[0], g[1], g[2].max(0.0)];
     let size = length(facing);
-    if size < 1e-6 {
-        return ([0.0, 0.0, 1.0], [0.0; 3]);
-    }
-    let normal = facing.map(|c| c / size);
+    (size >= 1e-6).then(|| facing.map(|c| c / size))
+}
+
+/// Normal of `g`, and the albedo of each channel: the fit with the weights of luminance.
+fn finished(samples: &LightSamples, pixel: usize, g: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+    let Some(normal) = normal_of(g) else { return (UP, [0.0; 3]) };
     let floor = NOISE * length(g) + 1e-6;
     let (mut sums, mut squares) = ([0.0; 3], 0.0);
     for (light, image) in samples.lights.iter().zip(&samples.images) {
@@ -258,6 +292,7 @@ mod tests {
             assert!(albedo.iter().zip([0.8, 0.5, 0.2]).all(|(a, b)| (a - b).abs() < 2e-3), "{albedo:?}");
         }
         assert!(maps.outliers < 1e-3, "{}", maps.outliers);
+        assert!(maps.between_halves.unwrap() < 0.1, "{:?}", maps.between_halves);
         assert!(error(&maps.normals) < 0.1 && error(&least_squares(&samples)) > 1.0);
     }
 
@@ -275,6 +310,38 @@ mod tests {
         println!("mean error: {robust:.2} degrees, plain least squares {plain:.2}");
         assert!(robust < 0.6 && plain > 5.0 * robust, "{robust} {plain}");
         assert!(maps.outliers > 0.1, "{}", maps.outliers);
+    }
+
+    /// A sphere with a GGX highlight of a share of the reflected light.
+    fn glossy(share: f32, alpha: f32) -> SurfaceMaps {
+        let samples = sphere(spread_lights(60), |n, light, _, cosine| {
+            let half = [light[0], light[1], light[2] + 1.0];
+            let (c, square) = (lit(n, half) / length(half), alpha * alpha);
+            let d = square / (std::f32::consts::PI * (c * c * (square - 1.0) + 1.0).powi(2));
+            let highlight = 0.9 * d / (4.0 * n[2].max(0.1));
+            if cosine > 0.0 { (1.0 - share) * cosine + share * highlight } else { 0.0 }
+        });
+        surface_maps(&samples).unwrap()
+    }
+
+    /// The table of the page on relighting. Halves of the lights show the error; outliers do not.
+    #[test]
+    fn halves_of_the_lights_show_the_error() {
+        for (share, alpha, [outliers, halves, expected]) in [
+            (0.3, 0.3, [0.04, 0.4, 0.9]),
+            (0.9, 0.2, [0.23, 4.6, 8.9]),
+            (1.0, 0.25, [0.41, 11.0, 24.0]),
+            (1.0, 0.08, [0.39, 11.0, 28.0]),
+        ] {
+            let maps = glossy(share, alpha);
+            let (between, error) = (maps.between_halves.unwrap(), error(&maps.normals));
+            println!("{share} {alpha}: {:.3} {between:.2} {error:.2}", maps.outliers);
+            let near = |found: f64, printed: f64| (found / printed - 1.0).abs() < 0.13;
+            assert!(near(maps.outliers, outliers) && near(between, halves) && near(error, expected));
+            assert!((1.3..3.0).contains(&(error / between)), "{error} {between}");
+        }
+        // Four lights determine normals, their halves do not.
+        assert_eq!(surface_maps(&sphere(spread_lights(4), |_, _, _, cosine| cosine)).unwrap().between_halves, None);
     }
 
     /// Three lights in front of every pixel are enough.

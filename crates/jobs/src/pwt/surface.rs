@@ -18,6 +18,22 @@ pub struct SurfaceReport {
     /// Share of the observations that differ from Lambert's law by more than a tenth of the albedo, such as shadows and
     /// highlights.
     pub outliers: f64,
+    /// Mean angle between normals from every other light and from the remaining lights, degrees: about half their error.
+    /// Absent if halves of the lights do not determine normals.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between_halves: Option<f64>,
+}
+
+/// Angle between normals from halves of the lights above which normals are unreliable, degrees. Their error is about twice this angle.
+const UNRELIABLE: f64 = 10.0;
+
+impl SurfaceReport {
+    /// Reason to doubt the normals, if there is one.
+    pub fn doubt(&self) -> Option<String> {
+        let angle = self.between_halves.filter(|angle| *angle > UNRELIABLE)?;
+        let why = "most light comes from highlights or bounces, or many lights are blocked";
+        Some(format!("normals are unreliable: those from halves of the lights differ by {angle:.1}° on average; {why}"))
+    }
 }
 
 /// Computes normals and albedo from photographs.
@@ -26,7 +42,8 @@ pub struct SurfaceReport {
 /// Returns an error if photographs are out of range, or if the lights do not determine normals.
 pub fn make_surface(samples: &LightSamples) -> Result<(SurfaceMaps, SurfaceReport), Error> {
     let maps = surface_maps(&*samples.distant().map_err(wrong)?).map_err(wrong)?;
-    let report = SurfaceReport { size: maps.size, lights: samples.lights.len(), outliers: maps.outliers };
+    let SurfaceMaps { size, outliers, between_halves, .. } = maps;
+    let report = SurfaceReport { size, lights: samples.lights.len(), outliers, between_halves };
     Ok((maps, report))
 }
 

@@ -2,8 +2,7 @@
 
 use crate::ENVIRONMENTS;
 use brdfc_core::address::parse_synth;
-use brdfc_core::source::Symmetry;
-use brdfc_core::{Source, Tally};
+use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::{DirectionPair, from_polar};
 use brdfc_formats::lobes::{Anchor, LobesPack, view_position};
 use brdfc_lobes::{EncodedLobes, LobesRecipe, encode};
