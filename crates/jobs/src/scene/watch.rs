@@ -227,8 +227,9 @@ pub(crate) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
     Some(Manifest::parse(manifest_text).ok()?.inputs(parent(manifest)))
 }
 
+/// Stamp of a file, or of a link whose target does not exist.
 fn stamp(path: &Path) -> Option<Stamp> {
-    Stamp::of(&std::fs::metadata(path).ok()?)
+    Stamp::of(&std::fs::metadata(path).or_else(|_| path.symlink_metadata()).ok()?)
 }
 
 fn parent(path: &Path) -> &Path {
@@ -286,6 +287,23 @@ mod tests {
         assert_eq!(count(std::slice::from_ref(&pattern), "packs/."), 2);
         assert_eq!(count(std::slice::from_ref(&pattern), "elsewhere"), 3);
         assert_eq!(count(&[folder.join("packs/a.brdf.ktx2").into()], "packs"), 1, "a named pack");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_without_targets_are_changes() {
+        let there = tempfile::tempdir().unwrap();
+        let folder = there.path();
+        let mut watched = Watched::of_inputs(&[folder.into()], Path::new("packs"));
+        let first = watched.look();
+        std::os::unix::fs::symlink("later.brdf", folder.join("a.brdf")).unwrap();
+        let second = watched.look();
+        assert_eq!(summary(&second, &first, folder), ["a.brdf New"]);
+        std::fs::write(folder.join("later.brdf"), "a").unwrap();
+        let third = watched.look();
+        assert_eq!(summary(&third, &second, folder), ["a.brdf Changed", "later.brdf New"]);
+        std::fs::remove_file(folder.join("a.brdf")).unwrap();
+        assert_eq!(summary(&watched.look(), &third, folder), ["a.brdf Gone"]);
     }
 
     #[test]

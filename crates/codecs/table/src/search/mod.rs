@@ -72,8 +72,16 @@ pub fn search(
     if reference.is_black() && recipe.is_asked {
         return Err(EncodeError::NothingMeasured);
     }
-    let mut search =
-        Search { source, recipe, reference, progress, prepared: None, made: Vec::new(), tried: Vec::new() };
+    let mut search = Search {
+        source,
+        recipe,
+        reference,
+        progress,
+        prepared: None,
+        excesses: Vec::new(),
+        made: Vec::new(),
+        tried: Vec::new(),
+    };
     if budget.limits_error() {
         search.tables()?;
     } else {
@@ -112,6 +120,8 @@ struct Search<'a> {
     reference: Reference,
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
+    /// Excess over the budget of each tried size in bytes, plain or factored.
+    excesses: Vec<((u64, bool), Excess)>,
     /// Candidates with their excess over the budget.
     made: Vec<(Excess, EncodedTable)>,
     tried: Vec<Trial>,
@@ -214,8 +224,18 @@ impl Search<'_> {
         Ok(Found::Met(met))
     }
 
-    /// Encodes a table and returns its excess over the budget.
+    /// Excess of a table over the budget. Each size is encoded once.
     fn table(&mut self, bytes: u64, factored: bool) -> Result<Excess, EncodeError> {
+        if let Some((_, known)) = self.excesses.iter().find(|(tried, _)| *tried == (bytes, factored)) {
+            return Ok(*known);
+        }
+        let excess = self.encoded(bytes, factored)?;
+        self.excesses.push(((bytes, factored), excess));
+        Ok(excess)
+    }
+
+    /// Encodes a table and returns its excess over the budget.
+    fn encoded(&mut self, bytes: u64, factored: bool) -> Result<Excess, EncodeError> {
         self.progress.stage(Stage::Try, 1)?;
         let within = CancelOnly(self.progress);
         let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
