@@ -346,7 +346,7 @@ fn from_primaries(stated: &str, primaries: [[f64; 2]; 3], white: [f64; 2]) -> Re
         return Ok(from_d50(columns_of(primaries, white)));
     }
     let found = format!("{primaries:?} around {white:?}");
-    Err(FormatError::whole(format!("primaries of {stated}"), found, "a triangle around the white"))
+    Err(FormatError::whole(stated.to_owned(), found, "primaries that enclose the white"))
 }
 
 /// Name of a profile, on one line.

@@ -228,7 +228,7 @@ fn check_layout<R: ImageReader>(decoder: &mut Decoder<R>, channels: usize, ask: 
     }
     // It finds the last row of tiles of the first plane only.
     let (height, tile) = (decoder.dimensions().map_err(|error| broken(ask, error))?.1, decoder.chunk_dimensions().1);
-    if planar && is_tiled && height % tile != 0 {
+    if planar && channels > 1 && is_tiled && height % tile != 0 {
         let found = format!("separate planes (2) in tiles of {tile} rows");
         let allowed = format!("a divisor of {height} rows, or samples next to each other (1)");
         return Err(FormatError::whole("TIFF field PlanarConfiguration", found, allowed));

@@ -715,6 +715,16 @@ fn layouts_of_samples_are_read() {
         ("tiles", "tif", raw_tiff(false, &tile, &parts([32, 16], |v| v.to_vec())), &rgb),
         ("tiles of 16 bits", "tif", raw_tiff(true, &[tile[0], tile[1], (258, &[16])], &parts([32, 16], wide)), &rgb),
         ("planes", "tif", raw_tiff(true, &[(258, &[16]), (278, &[10]), (284, &[2])], &wide_planes.concat()), &rgb),
+        (
+            "a plane of tiles",
+            "tif",
+            raw_tiff(
+                false,
+                &[(322, &[32]), (323, &[48]), (262, &[1]), (277, &[1]), (284, &[2])],
+                &parts([32, 48], plane(0)),
+            ),
+            &grey,
+        ),
         ("planes of tiles", "tif", raw_tiff(false, &[tile[0], tile[1], (284, &[2])], &planes([32, 16])), &rgb),
         ("alpha", "tif", raw_tiff(true, &[(277, &[4]), (338, &[2])], &[part([0, 0], SIZE, with(70))]), &rgb),
         ("opaque", "tif", raw_tiff(false, &[(277, &[4]), (338, &[1])], &[part([0, 0], SIZE, with(255))]), &rgb),
@@ -765,7 +775,7 @@ fn layouts_of_samples_are_read() {
         (raw_tiff(false, &[(278, &[16])], &swapped), "strip or tile 1 of 2303 bytes instead of 2304"),
         (raw_tiff(false, &[(259, &[7]), (262, &[6])], &[self::jpeg(&[])]), "TIFF samples: found YCbCr(8)"),
     ] {
-        let error = photograph(&bytes, "tif", None).unwrap_err();
+        let error = photograph(&bytes, "tif", None).map(drop).expect_err(expected);
         assert!(error.contains(expected), "{error}");
     }
 }
@@ -854,6 +864,8 @@ fn the_only_colour_layer_of_an_exr_is_read() {
         heights.to_string(),
         "EXR: found layers a.Combined, b, expected one layer of heights, or one without a name"
     );
+    let next_to_normals = exr_of(window, window, &["N.X", "N.Y", "N.Z", "R"], None, |c, _| c as f32);
+    assert_eq!(heights_from_exr(&next_to_normals).unwrap().heights, [3.0; 16]);
     let two = read(&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"]).unwrap_err();
     assert_eq!(
         two,
@@ -922,6 +934,8 @@ fn headers_of_radiance_files_are_applied() {
         (zeros.pixels[0].map(f64::from), &zeros.conversions[..]),
         (plain, &["linear (Radiance)".to_owned()][..])
     );
+    let error = read("\nPRIMARIES=1 0 0 1 0 0 2 2").unwrap_err().to_string();
+    assert!(error.starts_with("primaries of Radiance PRIMARIES: found [[1.0, 0.0], "), "{error}");
     for lines in ["\nPRIMARIES=0 0 0 0 0 0 0 1", "\nEXPOSURE=0", "\nEXPOSURE=x", "\nCOLORCORR=1 2", "\nGAMMA=-1"] {
         assert!(read(lines).is_err(), "{lines}");
     }
