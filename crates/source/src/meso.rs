@@ -3,7 +3,7 @@
 use super::input::{Input, InputFile};
 use super::read::{found_extension, unknown_kind};
 use crate::InputError;
-use crate::image_file::{self, Ask, Purpose, Samples};
+use crate::image_file::{self, Ask, Purpose, Samples, collected};
 use brdfc_formats::FormatError;
 use brdfc_readers::meso::{TriangleMesh, obj, ply};
 use image::ImageFormat;
@@ -109,8 +109,8 @@ fn read(
     let (header, raster) = image_file::read(Cursor::new(bytes), &ask)?;
     let [width, height] = raster.size;
     let heights: Vec<f32> = match raster.samples {
-        Samples::U8(samples) => samples.iter().step_by(raster.channels).map(|v| f32::from(*v) / 255.0).collect(),
-        Samples::U16(samples) => samples.iter().step_by(raster.channels).map(|v| f32::from(*v) / 65535.0).collect(),
+        Samples::U8(samples) => collected(samples.iter().step_by(raster.channels).map(|v| f32::from(*v) / 255.0))?,
+        Samples::U16(samples) => collected(samples.iter().step_by(raster.channels).map(|v| f32::from(*v) / 65535.0))?,
         Samples::F32(samples) => samples,
     };
     if let Some(pixel) = heights.iter().position(|value| !value.is_finite()) {

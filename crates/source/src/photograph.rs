@@ -45,35 +45,42 @@ impl Image {
     /// # Errors
     /// Returns the errors of [`read_pixels`].
     pub(crate) fn read(path: &Path, size: [usize; 2], codes: Option<CodeValues>) -> Result<Self, InputError> {
-        Ok(Self::new(size, read_pixels(path, size, codes)?.into_linear()))
+        let (pixels, conversions) = read_pixels(path, size, codes)?;
+        Ok(Self { conversions, ..Self::new(size, pixels.into_linear()) })
     }
 }
 
-/// Reads the pixels of an image of `size`, width and height in pixels.
+/// Reads the pixels of an image of `size`, width and height in pixels, and what was done to them: see
+/// [`FileImage::conversions`].
 ///
 /// Converts colours as the file states them, unless `codes` says what they are. Integers without a statement are sRGB,
-/// and floats linear. Alpha is ignored.
+/// and floats linear. Alpha is ignored; a TIFF whose colours are multiplied by it is rejected unless alpha
+/// is 1 everywhere.
 ///
 /// # Errors
 /// Returns an error for a file that cannot be read or decoded, or has another size, and for values that are not
 /// finite.
-pub(crate) fn read_pixels(path: &Path, size: [usize; 2], codes: Option<CodeValues>) -> Result<Pixels, InputError> {
+pub(crate) fn read_pixels(
+    path: &Path,
+    size: [usize; 2],
+    codes: Option<CodeValues>,
+) -> Result<(Pixels, Vec<String>), InputError> {
     let wrong = |error| InputError::format(path, error);
-    let (header, raster) = image_file::read(open(path)?, &ask(codes)).map_err(wrong)?;
+    let (mut header, raster) = image_file::read(open(path)?, &ask(codes)).map_err(wrong)?;
     if raster.size != size {
         let [[width, height], found] = [size, raster.size];
         let found = format!("{} x {}", found[0], found[1]);
         let allowed = format!("{width} x {height}, the size when it was opened");
         return Err(wrong(FormatError::whole("image size", found, allowed)));
     }
-    let pixels = header.colour.pixels(raster).map_err(wrong)?;
+    let pixels = header.pixels(raster).map_err(wrong)?;
     if let Pixels::Linear(pixels) = &pixels
         && let Some(at) = pixels.iter().position(|pixel| !pixel.iter().all(|c| c.is_finite()))
     {
         let found = format!("{:?} at ({}, {})", pixels[at], at % size[0], at / size[0]);
         return Err(wrong(FormatError::whole("pixel", found, "finite values")));
     }
-    Ok(pixels)
+    Ok((pixels, header.conversions()))
 }
 
 /// Reads the headers of all images.

@@ -1,7 +1,7 @@
 //! Radiance images: OpenEXR and Radiance HDR.
 
 use crate::InputError;
-use crate::image_file::{self, Ask, Purpose, Samples};
+use crate::image_file::{self, Ask, GAMUT_ROUNDING, Purpose, Samples};
 use crate::input::{Input, InputFile};
 use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
@@ -23,7 +23,8 @@ pub fn open_radiance_image(input: impl Into<Input>) -> Result<RadianceImage, Inp
     InputFile::of(&input, &mut ())?.parse(if input.extension()? == "hdr" { from_hdr } else { from_exr })
 }
 
-/// Reads the only layer of an EXR with channels R, G and B, or Y. Pixels outside the data window are 0.
+/// Reads a layer of an EXR with channels R, G and B, or Y: the only one, or else the one without a name or named as a beauty
+/// pass. Pixels outside the data window are 0; alpha is ignored.
 ///
 /// # Errors
 /// Returns an error for files that are not EXR with such channels, for more than 8192 x 4096 pixels, and for
@@ -49,7 +50,7 @@ fn read(
     check: &dyn Fn([usize; 2]) -> Result<(), FormatError>,
 ) -> Result<RadianceImage, FormatError> {
     let ask = Ask { purpose: Purpose::Colours(None), field, allowed, formats: &[format], check };
-    let (header, raster) = image_file::read(Cursor::new(bytes), &ask)?;
+    let (mut header, raster) = image_file::read(Cursor::new(bytes), &ask)?;
     let [width, height] = raster.size;
     if let Samples::F32(samples) = &raster.samples
         && let Some(at) = samples.iter().position(|sample| !(sample.is_finite() && *sample >= 0.0))
@@ -59,9 +60,14 @@ fn read(
         let found = format!("{channels:?} at pixel ({}, {})", pixel % width, pixel / width);
         return Err(FormatError::whole(field, found, "finite values of 0 or more"));
     }
-    let mut pixels = header.colour.linear_pixels(raster)?;
-    // Colours outside the gamut of Rec. 709.
-    pixels.as_flattened_mut().iter_mut().for_each(|value| *value = value.max(0.0));
+    let mut pixels = header.linear_pixels(raster)?;
+    let mut clipped = 0;
+    for pixel in &mut pixels {
+        let most = pixel.iter().copied().fold(0.0, f32::max);
+        clipped += usize::from(pixel.iter().any(|value| *value < -GAMUT_ROUNDING as f32 * most));
+        *pixel = pixel.map(|value| value.max(0.0));
+    }
+    header.note_clipped(clipped, pixels.len());
     Ok(RadianceImage { width, height, pixels, conversions: header.conversions() })
 }
 

@@ -55,9 +55,9 @@ pub fn open_colours_observed(path: &Path, listener: &mut dyn ReadListener) -> Re
 
 fn colours(file: InputFile<'_>) -> Result<FileImage<3>, InputError> {
     file.parse_within(MAX_BYTES, |bytes| {
-        let (header, raster) = image_file::read(Cursor::new(bytes), &ask(Purpose::Colours(None)))?;
+        let (mut header, raster) = image_file::read(Cursor::new(bytes), &ask(Purpose::Colours(None)))?;
         let [width, height] = raster.size;
-        let pixels = header.colour.linear_pixels(raster)?;
+        let pixels = header.linear_pixels(raster)?;
         Ok(FileImage { width, height, pixels, conversions: header.conversions() })
     })
 }

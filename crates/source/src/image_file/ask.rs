@@ -1,6 +1,6 @@
 //! Requests of callers, and the errors that name what they read.
 
-use super::colour::CodeValues;
+use super::colour::{CodeValues, Colour};
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
 use image::ImageFormat;
@@ -43,6 +43,15 @@ impl Ask<'_> {
     /// Error of contents that are not supported.
     pub(super) fn found(&self, found: impl Into<String>) -> FormatError {
         FormatError::whole(self.field, found, self.allowed)
+    }
+
+    /// Colour of the pixels: what the file states, which is read only if nothing else decides.
+    pub(super) fn colour(&self, stated: impl FnOnce() -> Result<Colour, FormatError>) -> Result<Colour, FormatError> {
+        match self.purpose {
+            Purpose::Colours(None) => stated(),
+            Purpose::Colours(Some(codes)) => Ok(Colour::given(codes)),
+            Purpose::Data | Purpose::Heights => Ok(Colour::linear("stored values")),
+        }
     }
 
     pub(super) fn check_size(&self, size: [usize; 2]) -> Result<(), FormatError> {

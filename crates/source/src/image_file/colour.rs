@@ -1,20 +1,24 @@
 //! Colour of code values: what a file states, and the conversion to linear RGB of Rec. 709.
 
-use super::raster::{Raster, Samples};
+use super::raster::{Raster, Samples, collected};
 use brdfc_core::words::one_line;
 use brdfc_formats::FormatError;
-use brdfc_formats::memory::reserved;
+use brdfc_formats::memory::filled;
 use brdfc_readers::colour::{decode_srgb, encode_srgb};
-use brdfc_readers::pixels::{LINEAR_8, Pixels};
+use brdfc_readers::pixels::Pixels;
 use moxcms::{ColorProfile, DataColorSpace, Matrix3d, ParsingOptions, ProfileText, ToneReprCurve, XyY, adapt_to_d50_d};
 use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 
-/// Maximum difference of a curve from that of sRGB, linear, and of a matrix from the identity, that counts as rounding.
+/// Maximum difference of a curve from that of sRGB, and of a matrix from the identity, that counts as rounding.
 const MAX_ROUNDING: f64 = 2e-3;
 /// Same for linear curves: a table of 16 bits.
 const LINEAR_ROUNDING: f64 = 2e-5;
+/// Maximum difference of the white of a matrix from that of Rec. 709, per channel. The white of camera profiles is not exact.
+const MAX_WHITE_ERROR: f64 = 0.2;
+/// Maximum excess over the gamut of Rec. 709 that counts as rounding: matrices of files have four or five digits.
+pub(crate) const GAMUT_ROUNDING: f64 = 1e-4;
 /// Code values of which curves are compared.
 const COMPARED: usize = 256;
 /// Pixels of a task.
@@ -202,11 +206,17 @@ impl Colour {
             let off = |r: usize, c: usize| (m[r][c] - if r == c { 1.0 } else { 0.0 }).abs();
             (0..9).all(|k| off(k / 3, k % 3) <= MAX_ROUNDING)
         };
+        if let Some(white) = matrix.as_ref().map(|matrix| transform(matrix, [1.0; 3]))
+            && white.iter().any(|w| (w - 1.0).abs() > MAX_WHITE_ERROR)
+        {
+            let found = format!("a matrix whose white is {white:.3?} in Rec. 709");
+            return Err(FormatError::whole(format!("colour of {stated}"), found, "about [1, 1, 1]"));
+        }
         let matrix = matrix.filter(|matrix| !identity(matrix));
-        let all = |curve: Curve| matrix.is_none() && curves.iter().all(|one| one.is_near(&curve, MAX_ROUNDING));
+        let all = |is: &dyn Fn(&Curve) -> bool| matrix.is_none() && curves.iter().all(is);
         let conversion = match () {
-            () if all(Curve::SRGB) => Conversion::Srgb,
-            () if all(Curve::LINEAR) => Conversion::Linear,
+            () if all(&|curve| curve.is_near(&Curve::SRGB, MAX_ROUNDING)) => Conversion::Srgb,
+            () if all(&|curve| *curve == Curve::LINEAR) => Conversion::Linear,
             () => Conversion::Curves(Box::new(Curves { curves, matrix })),
         };
         let stated = match conversion {
@@ -217,14 +227,11 @@ impl Colour {
         Ok(Self { stated, conversion })
     }
 
-    /// Code values as `codes` says.
-    #[must_use]
-    pub(super) fn overridden(self, codes: Option<CodeValues>) -> Self {
-        let as_given = |name| format!("{}, read as {name}", self.stated);
+    /// Colour that a caller states.
+    pub(super) fn given(codes: CodeValues) -> Self {
         match codes {
-            Some(CodeValues::Linear) => Self::linear(&as_given("linear Rec. 709")),
-            Some(CodeValues::Srgb) => Self::srgb(&as_given("sRGB")),
-            None => self,
+            CodeValues::Linear => Self::linear("read as linear Rec. 709"),
+            CodeValues::Srgb => Self::srgb("read as sRGB"),
         }
     }
 
@@ -233,18 +240,18 @@ impl Colour {
         self.conversion == Conversion::Srgb
     }
 
-    /// Pixels of a raster. Integers outside the gamut of Rec. 709 are clipped; those that are not sRGB become sRGB levels
-    /// of 16 bits.
+    /// Pixels of a raster, and the number of those outside the gamut of Rec. 709 that are clipped: those of integers.
+    /// Integers that are not sRGB become sRGB levels of 16 bits.
     ///
     /// # Errors
     /// Returns an error if there is not enough memory.
-    pub(crate) fn pixels(&self, raster: Raster) -> Result<Pixels, FormatError> {
+    pub(super) fn pixels(&self, raster: Raster) -> Result<(Pixels, usize), FormatError> {
         let channels = raster.channels;
-        Ok(match (raster.samples, self.is_srgb()) {
+        let pixels = match (raster.samples, self.is_srgb()) {
             (Samples::U8(codes), true) => Pixels::Levels8(Arc::new(collected(triples(&codes, channels))?)),
             (Samples::U16(codes), true) => Pixels::Levels16(Arc::new(collected(triples(&codes, channels))?)),
-            (Samples::U8(codes), false) => self.levels(&codes, channels, 255),
-            (Samples::U16(codes), false) => self.levels(&codes, channels, 65535),
+            (Samples::U8(codes), false) => return self.levels(&codes, channels, 255),
+            (Samples::U16(codes), false) => return self.levels(&codes, channels, 65535),
             (Samples::F32(codes), _) => {
                 let of = |codes: &[f32; 3]| self.linear_of(codes.map(f64::from)).map(|value| value as f32);
                 let mut pixels = collected(triples(&codes, channels))?;
@@ -253,23 +260,8 @@ impl Colour {
                 }
                 pixels.into()
             }
-        })
-    }
-
-    /// Same as [`Self::pixels`], as linear values.
-    ///
-    /// # Errors
-    /// Same as [`Self::pixels`].
-    pub(crate) fn linear_pixels(&self, raster: Raster) -> Result<Vec<[f32; 3]>, FormatError> {
-        let pixels = match (&raster.samples, self.is_srgb()) {
-            // Levels would be one more copy.
-            (Samples::U8(codes), true) => {
-                let linear = |level: u8| LINEAR_8[usize::from(level)];
-                return collected(triples(codes, raster.channels).map(|codes| codes.map(linear)));
-            }
-            _ => self.pixels(raster)?,
         };
-        Ok(pixels.into_linear())
+        Ok((pixels, 0))
     }
 
     fn linear_of(&self, codes: [f64; 3]) -> [f64; 3] {
@@ -283,8 +275,13 @@ impl Colour {
         }
     }
 
-    /// sRGB levels of 16 bits of codes up to `white`.
-    fn levels<T: Copy + Sync + Into<u16>>(&self, codes: &[T], channels: usize, white: u16) -> Pixels {
+    /// sRGB levels of 16 bits of codes up to `white`, and the number of clipped pixels.
+    fn levels<T: Copy + Sync + Into<u16>>(
+        &self,
+        codes: &[T],
+        channels: usize,
+        white: u16,
+    ) -> Result<(Pixels, usize), FormatError> {
         let level = |linear: f64| (65535.0 * encode_srgb(linear)).round() as u16;
         let matrix = if let Conversion::Curves(of) = &self.conversion { of.matrix.as_ref() } else { None };
         let curve = |c: usize, code: f64| match &self.conversion {
@@ -293,26 +290,31 @@ impl Colour {
         };
         let linear: [Vec<f64>; 3] =
             std::array::from_fn(|c| (0..=white).map(|code| curve(c, f64::from(code) / f64::from(white))).collect());
-        let at = |c: usize, code: T| usize::from(code.into()).min(linear[c].len() - 1);
-        let alone: [Vec<u16>; 3] = std::array::from_fn(|c| linear[c].iter().map(|value| level(*value)).collect());
-        let of = |codes: [T; 3]| match matrix {
-            None => std::array::from_fn(|c| alone[c][at(c, codes[c])]),
-            Some(matrix) => transform(matrix, std::array::from_fn(|c| linear[c][at(c, codes[c])])).map(level),
+        // Curves alone leave no gamut.
+        let Some(matrix) = matrix else {
+            let alone = linear.map(|values| values.into_iter().map(level).collect::<Vec<u16>>());
+            let of = |codes: [T; 3]| std::array::from_fn(|c| alone[c][usize::from(codes[c].into())]);
+            return Ok((Pixels::Levels16(Arc::new(collected(triples(codes, channels).map(of))?)), 0));
         };
-        let chunks = codes.par_chunks(CHUNK * channels);
-        Pixels::Levels16(Arc::new(chunks.flat_map_iter(|codes| triples(codes, channels).map(of)).collect()))
+        let is_outside = |value: &f64| !(-GAMUT_ROUNDING..=1.0 + GAMUT_ROUNDING).contains(value);
+        let mut pixels = filled("pixels", codes.len() / channels, [0; 3])?;
+        let parts = pixels.par_chunks_mut(CHUNK).zip(codes.par_chunks(CHUNK * channels));
+        let clipped = parts.map(|(pixels, codes)| {
+            let mut clipped = 0;
+            for (pixel, codes) in pixels.iter_mut().zip(triples(codes, channels)) {
+                let converted = transform(matrix, std::array::from_fn(|c| linear[c][usize::from(codes[c].into())]));
+                clipped += usize::from(converted.iter().any(is_outside));
+                *pixel = converted.map(level);
+            }
+            clipped
+        });
+        let clipped = clipped.sum();
+        Ok((Pixels::Levels16(Arc::new(pixels)), clipped))
     }
 }
 
-/// Elements of an iterator of known length.
-fn collected<T>(values: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, FormatError> {
-    let mut all = reserved("pixels", values.len())?;
-    all.extend(values);
-    Ok(all)
-}
-
 /// Grey or RGB of each pixel, without alpha.
-fn triples<T: Copy>(codes: &[T], channels: usize) -> impl ExactSizeIterator<Item = [T; 3]> {
+pub(super) fn triples<T: Copy>(codes: &[T], channels: usize) -> impl ExactSizeIterator<Item = [T; 3]> {
     codes.chunks_exact(channels).map(move |c| if channels < 3 { [c[0]; 3] } else { [c[0], c[1], c[2]] })
 }
 
@@ -344,7 +346,7 @@ fn from_primaries(stated: &str, primaries: [[f64; 2]; 3], white: [f64; 2]) -> Re
         return Ok(from_d50(columns_of(primaries, white)));
     }
     let found = format!("{primaries:?} around {white:?}");
-    Err(FormatError::whole(format!("primaries of {stated}"), found, "a triangle around the white"))
+    Err(FormatError::whole(stated.to_owned(), found, "primaries that enclose the white"))
 }
 
 /// Name of a profile, on one line.

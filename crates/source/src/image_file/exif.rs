@@ -1,11 +1,18 @@
 //! Orientation and colour space of EXIF metadata.
 
+use super::colour::Colour;
+use brdfc_formats::FormatError;
+
 /// Tags of the directories, and the fields that are read.
 const ORIENTATION: u16 = 0x0112;
 const EXIF_DIRECTORY: u16 = 0x8769;
-const INTEROPERABILITY_DIRECTORY: u16 = 0xa005;
-const COLOUR_SPACE: u16 = 0xa001;
-const INTEROPERABILITY_INDEX: u16 = 0x0001;
+pub(super) const INTEROPERABILITY_DIRECTORY: u16 = 0xa005;
+pub(super) const COLOUR_SPACE: u16 = 0xa001;
+pub(super) const INTEROPERABILITY_INDEX: u16 = 0x0001;
+/// Values of the colour space; that of Adobe RGB is not standard.
+const SRGB: u16 = 1;
+const ADOBE_RGB: u16 = 2;
+const UNCALIBRATED: u16 = 0xffff;
 /// Maximum number of entries of a directory that are read.
 const MAX_ENTRIES: usize = 1024;
 
@@ -14,7 +21,6 @@ const MAX_ENTRIES: usize = 1024;
 pub(super) struct Exif {
     /// 1 to 8, as stored.
     pub orientation: Option<u16>,
-    /// 1 for sRGB, 2 for Adobe RGB (not standard), 65535 for others.
     pub colour_space: Option<u16>,
     /// True for index R03, which means Adobe RGB.
     pub is_r03: bool,
@@ -31,13 +37,25 @@ impl Exif {
         };
         let tiff = Directories { bytes, big };
         let first = tiff.u32_at(4);
-        exif.orientation = first.and_then(|at| tiff.field(at, ORIENTATION)).and_then(|field| tiff.u16_at(field));
-        let next = |at: Option<usize>, tag| at.and_then(|at| tiff.field(at, tag)).and_then(|field| tiff.u32_at(field));
-        let inner = next(first, EXIF_DIRECTORY);
-        exif.colour_space = inner.and_then(|at| tiff.field(at, COLOUR_SPACE)).and_then(|field| tiff.u16_at(field));
-        let index = next(inner, INTEROPERABILITY_DIRECTORY).and_then(|at| tiff.field(at, INTEROPERABILITY_INDEX));
+        let number = |at: Option<usize>, tag| at.and_then(|at| tiff.number(at, tag));
+        let short = |at, tag| number(at, tag).and_then(|value| u16::try_from(value).ok());
+        exif.orientation = short(first, ORIENTATION);
+        let inner = number(first, EXIF_DIRECTORY);
+        exif.colour_space = short(inner, COLOUR_SPACE);
+        let index = number(inner, INTEROPERABILITY_DIRECTORY).and_then(|at| tiff.field(at, INTEROPERABILITY_INDEX));
         exif.is_r03 = index.and_then(|field| bytes.get(field..field + 3)) == Some(b"R03");
         exif
+    }
+
+    /// Colour of code values without an ICC profile.
+    pub(super) fn colour(&self) -> Result<Colour, FormatError> {
+        match self.colour_space {
+            Some(SRGB) => Ok(Colour::srgb("sRGB (EXIF)")),
+            Some(ADOBE_RGB) => Colour::adobe_rgb("Adobe RGB (EXIF)"),
+            _ if self.is_r03 => Colour::adobe_rgb("Adobe RGB (EXIF)"),
+            Some(UNCALIBRATED) => Ok(Colour::srgb("sRGB (EXIF states an uncalibrated colour space)")),
+            _ => Ok(Colour::srgb("sRGB (not stated)")),
+        }
     }
 }
 
@@ -56,6 +74,16 @@ impl Directories<'_> {
         let bytes = self.bytes.get(at..)?.first_chunk()?;
         let value = if self.big { u32::from_be_bytes(*bytes) } else { u32::from_le_bytes(*bytes) };
         usize::try_from(value).ok()
+    }
+
+    /// Number of a field of type SHORT, LONG or IFD: writers do not agree on the type.
+    fn number(&self, directory: usize, tag: u16) -> Option<usize> {
+        let value = self.field(directory, tag)?;
+        match self.u16_at(value - 6)? {
+            3 => self.u16_at(value).map(usize::from),
+            4 | 13 => self.u32_at(value),
+            _ => None,
+        }
     }
 
     /// Offset of the four bytes of a field.

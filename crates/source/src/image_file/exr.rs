@@ -1,11 +1,11 @@
-//! EXR: the only colour layer, placed into the display window.
+//! EXR: one colour layer, placed into the display window.
 
 use super::ask::{Ask, ImageReader, Purpose, rewind};
 use super::colour::{Colour, Curve};
 use super::header::Header;
 use super::orientation::Orientation;
 use super::raster::{Depth, Raster, Samples};
-use brdfc_core::words::{join_truncated, one_line};
+use brdfc_core::words::{join_truncated, one_line, one_of};
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::{filled, summary};
 use exr::block::reader::ChunksReader;
@@ -21,6 +21,8 @@ use std::io::{BufRead, Seek};
 const MAX_BLOCK_BYTES: u64 = 128 << 20;
 /// Maximum width and height of a data window, pixels.
 const MAX_DATA_SIDE: usize = 1 << 16;
+/// Last part of the names of layers with the whole image, as Blender and other renderers write them.
+const BEAUTY: [&str; 3] = ["Combined", "Beauty", "RGBA"];
 /// Maximum number of layers or channels that an error names.
 const MAX_NAMED: usize = 8;
 
@@ -52,6 +54,8 @@ struct Layer {
     part: usize,
     name: String,
     channels: Vec<usize>,
+    /// How it was chosen; `None` for the only layer, without a name.
+    note: Option<String>,
 }
 
 pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Header, FormatError> {
@@ -59,26 +63,24 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
     let part = &parts[layer.part];
     let (size, display, position) = windows(part);
     let [width, height] = [part.layer_size.x(), part.layer_size.y()];
-    let colour = match (part.shared_attributes.chromaticities, ask.purpose) {
-        (Some(all), Purpose::Colours(_)) => {
+    let colour = ask.colour(|| match part.shared_attributes.chromaticities {
+        Some(all) => {
             let primaries = [all.red, all.green, all.blue, all.white].map(|Vec2(x, y)| [x, y].map(f64::from));
-            Colour::of_curve("chromaticities of EXR", Curve::LINEAR, Some(primaries))?
+            Colour::of_curve("chromaticities of EXR", Curve::LINEAR, Some(primaries))
         }
-        (_, Purpose::Colours(_)) => Colour::linear("linear (EXR)"),
-        _ => Colour::linear("stored values"),
-    };
+        None => Ok(Colour::linear("linear (EXR)")),
+    })?;
     let window = ([width, height] != size || position != display).then(|| {
         let [x, y] = [position[0] - display[0], position[1] - display[1]];
         format!("data window of {width} x {height} at ({x}, {y}) of {} x {}; 0 around it", size[0], size[1])
     });
-    let named = (!layer.name.is_empty()).then(|| format!("layer {}", layer.name));
     Ok(Header {
         size,
         channels: layer.channels.len(),
         depth: Depth::F32,
         colour,
         orientation: Orientation::UPRIGHT,
-        notes: named.into_iter().chain(window).collect(),
+        notes: layer.note.into_iter().chain(window).collect(),
     })
 }
 
@@ -128,6 +130,11 @@ impl Group {
     fn channel(&self, label: &str) -> Option<usize> {
         self.channels.iter().find(|(name, _)| name.eq_ignore_ascii_case(label)).map(|(_, index)| *index)
     }
+
+    /// Channel Y, unless it is of a vector, such as a normal.
+    fn luminance(&self) -> Option<usize> {
+        self.channel("Y").filter(|_| self.channel("X").is_none())
+    }
 }
 
 fn groups(parts: &[Part]) -> Vec<Group> {
@@ -148,15 +155,37 @@ fn groups(parts: &[Part]) -> Vec<Group> {
     groups.into_iter().map(group).collect()
 }
 
-/// Takes the layer without a name, or the only one; `None` without layers.
-fn one_of(mut layers: Vec<Layer>, of: &str) -> Option<Result<Layer, FormatError>> {
-    let unnamed = layers.iter().position(|layer| layer.name.is_empty());
-    if layers.len() > 1 && unnamed.is_none() {
-        let names: Vec<&String> = layers.iter().map(|layer| &layer.name).collect();
-        let found = format!("layers {}", join_truncated(&names, MAX_NAMED));
-        return Some(Err(FormatError::whole("EXR", found, format!("one layer of {of}, or one without a name"))));
-    }
-    (!layers.is_empty()).then(|| Ok(layers.swap_remove(unnamed.unwrap_or(0))))
+/// Takes the only layer, or else the one without a name, or else the only one whose name ends with one of `names`; `None`
+/// without layers.
+fn choose(mut layers: Vec<Layer>, of: &str, names: &[&str]) -> Option<Result<Layer, FormatError>> {
+    let count = layers.len();
+    let is_named = |layer: &Layer| {
+        let last = layer.name.rsplit('.').next().unwrap_or("");
+        names.iter().any(|name| last.eq_ignore_ascii_case(name))
+    };
+    let only = |is: &dyn Fn(&Layer) -> bool| {
+        let mut found = (0..count).filter(|at| is(&layers[*at]));
+        found.next().filter(|_| found.next().is_none())
+    };
+    let chosen = match count {
+        0 => return None,
+        1 => Some(0),
+        _ => only(&|layer| layer.name.is_empty()).or_else(|| only(&is_named)),
+    };
+    let Some(chosen) = chosen else {
+        let found: Vec<&String> = layers.iter().map(|layer| &layer.name).collect();
+        let found = format!("layers {}", join_truncated(&found, MAX_NAMED));
+        let named = if names.is_empty() { String::new() } else { format!(", or one named {}", one_of(names)) };
+        let allowed = format!("one layer of {of}, or one without a name{named}");
+        return Some(Err(FormatError::whole("EXR", found, allowed)));
+    };
+    let layer = layers.swap_remove(chosen);
+    let name = if layer.name.is_empty() { "without a name" } else { &layer.name };
+    let note = match count {
+        1 => (!layer.name.is_empty()).then(|| format!("layer {name}")),
+        _ => Some(format!("layer {name}, of {count} layers of {of}")),
+    };
+    Some(Ok(Layer { note, ..layer }))
 }
 
 /// Chooses the layer of R, G and B, or of Y.
@@ -165,23 +194,30 @@ fn colours(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
         let rgb: Option<Vec<usize>> = ["R", "G", "B"].iter().map(|name| group.channel(name)).collect();
         // Luminance with chroma is no grey.
         let is_grey = group.channel("RY").is_none() && group.channel("BY").is_none();
-        let grey = group.channel("Y").filter(|_| is_grey).map(|y| vec![y]);
-        rgb.or(grey).map(|channels| Layer { part: group.part, name: group.name, channels })
+        let grey = group.luminance().filter(|_| is_grey).map(|y| vec![y]);
+        rgb.or(grey).map(|channels| Layer { part: group.part, name: group.name, channels, note: None })
     };
     let found = groups(parts).into_iter().filter_map(of).collect();
-    one_of(found, "colours").unwrap_or_else(|| Err(ask.found(channel_names(parts))))
+    choose(found, "colours", &BEAUTY).unwrap_or_else(|| Err(ask.found(channel_names(parts))))
 }
 
 /// Chooses the channel of heights: Y, else R, else the only one.
 fn heights(parts: &[Part], ask: &Ask<'_>) -> Result<Layer, FormatError> {
     let all = groups(parts);
-    let layer = |group: &Group, channel| Layer { part: group.part, name: group.name.clone(), channels: vec![channel] };
-    let of = |label: &str| all.iter().filter_map(|group| Some(layer(group, group.channel(label)?))).collect();
+    let layer = |group: &Group, channel| {
+        let Group { part, ref name, .. } = *group;
+        Layer { part, name: name.clone(), channels: vec![channel], note: None }
+    };
+    let of = |channel: &dyn Fn(&Group) -> Option<usize>| {
+        all.iter().filter_map(|group| Some(layer(group, channel(group)?))).collect()
+    };
     let single = match &all[..] {
         [group] if group.channels.len() == 1 => vec![layer(group, group.channels[0].1)],
         _ => Vec::new(),
     };
-    let found = [of("Y"), of("R"), single].into_iter().find_map(|layers| one_of(layers, "heights"));
+    let found = [of(&Group::luminance), of(&|group| group.channel("R")), single]
+        .into_iter()
+        .find_map(|layers| choose(layers, "heights", &[]));
     let allowed = "an EXR with a channel Y or R, or with one channel";
     found.unwrap_or_else(|| Err(FormatError::whole(ask.field, channel_names(parts), allowed)))
 }

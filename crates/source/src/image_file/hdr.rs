@@ -4,7 +4,7 @@ use super::ask::{Ask, ImageReader};
 use super::colour::{Colour, Curve};
 use super::header::Header;
 use super::orientation::Orientation;
-use super::raster::{Depth, Raster, Samples};
+use super::raster::{Depth, Raster, Samples, collected};
 use brdfc_core::words::format_number;
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::filled;
@@ -32,11 +32,11 @@ struct Radiance {
 
 pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Header, FormatError> {
     let radiance = open(reader, ask)?;
-    let colour = match radiance.primaries {
-        _ if radiance.is_xyz => Colour::of_curve("XYZ (Radiance FORMAT)", Curve::LINEAR, Some(XYZ))?,
-        Some(primaries) => Colour::of_curve("primaries of Radiance PRIMARIES", Curve::LINEAR, Some(primaries))?,
-        None => Colour::linear("linear (Radiance)"),
-    };
+    let colour = ask.colour(|| match radiance.primaries {
+        _ if radiance.is_xyz => Colour::of_curve("XYZ (Radiance FORMAT)", Curve::LINEAR, Some(XYZ)),
+        Some(primaries) => Colour::of_curve("primaries of Radiance PRIMARIES", Curve::LINEAR, Some(primaries)),
+        None => Ok(Colour::linear("linear (Radiance)")),
+    })?;
     let size = radiance.orientation.size(radiance.stored);
     let orientation = radiance.orientation;
     Ok(Header { size, channels: 3, depth: Depth::F32, colour, orientation, notes: radiance.notes })
@@ -49,7 +49,7 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
     let decoder = HdrDecoder::new(Cursor::new(head).chain(reader)).map_err(|error| ask.broken(error))?;
     let mut bytes = filled("pixels", width * height * 12, 0u8)?;
     decoder.read_image(&mut bytes).map_err(|error| ask.broken(error))?;
-    let mut samples: Vec<f32> = bytes.as_chunks().0.iter().map(|sample| f32::from_ne_bytes(*sample)).collect();
+    let mut samples = collected(bytes.as_chunks().0.iter().map(|sample| f32::from_ne_bytes(*sample)))?;
     drop(bytes);
     if gamma != 1.0 || factor != [1.0; 3] {
         for pixel in samples.as_chunks_mut::<3>().0 {
@@ -128,7 +128,9 @@ impl Radiance {
             }
             "PRIMARIES" => {
                 let all = numbers(8, |_| true)?;
-                self.primaries = Some(std::array::from_fn(|k| [all[2 * k], all[2 * k + 1]]));
+                // Programs that state no primaries write zeros.
+                let is_stated = all.iter().any(|number| *number != 0.0);
+                self.primaries = is_stated.then(|| std::array::from_fn(|k| [all[2 * k], all[2 * k + 1]]));
             }
             "FORMAT" => match value {
                 "32-bit_rle_rgbe" => {}

@@ -1,6 +1,6 @@
 //! JPEG: its segments about colour and orientation, and pixels of complete files.
 
-use super::ask::{Ask, ImageReader, Purpose};
+use super::ask::{Ask, ImageReader};
 use super::colour::Colour;
 use super::exif::Exif;
 use super::header::Header;
@@ -12,7 +12,7 @@ use brdfc_formats::memory::filled;
 use image::ImageDecoder;
 use image::codecs::jpeg::JpegDecoder;
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::io::{Cursor, Read};
 
 const APP1: u8 = 0xe1;
 const APP2: u8 = 0xe2;
@@ -20,9 +20,8 @@ const START_OF_SCAN: u8 = 0xda;
 const END_OF_IMAGE: u8 = 0xd9;
 const EXIF: &[u8] = b"Exif\0\0";
 const ICC: &[u8] = b"ICC_PROFILE\0";
-/// Values of EXIF's colour space.
-const EXIF_SRGB: u16 = 1;
-const EXIF_ADOBE_RGB: u16 = 2;
+/// Number of bytes that are read first for a header.
+const FIRST_BYTES: u64 = 1 << 16;
 
 /// A segment: its marker and contents, and where it ends.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +74,7 @@ pub(crate) fn check(jpeg: &[u8]) -> Result<(), String> {
 }
 
 pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Header, FormatError> {
-    let bytes = all(reader, ask)?;
+    let bytes = head(reader, ask)?;
     let decoder = decoder(&bytes, ask)?;
     let (width, height) = decoder.dimensions();
     let exif = segments(&bytes).find_map(|one| one.contents.strip_prefix(EXIF).filter(|_| one.marker == APP1));
@@ -84,10 +83,7 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
     let size = orientation.size([width as usize, height as usize]);
     ask.check_size(size)?;
     let channels = usize::from(decoder.color_type().channel_count());
-    let colour = match ask.purpose {
-        Purpose::Colours(_) => colour(&bytes, channels, exif)?,
-        _ => Colour::linear("stored values"),
-    };
+    let colour = ask.colour(|| colour(&bytes, channels, exif))?;
     Ok(Header { size, channels, depth: Depth::U8, colour, orientation, notes: Vec::new() })
 }
 
@@ -100,12 +96,7 @@ fn colour(jpeg: &[u8], channels: usize, exif: Exif) -> Result<Colour, FormatErro
     if !parts.is_empty() {
         return Colour::of_profile(&profile(&parts)?, channels);
     }
-    match exif.colour_space {
-        Some(EXIF_SRGB) => Ok(Colour::srgb("sRGB (EXIF)")),
-        Some(EXIF_ADOBE_RGB) => Colour::adobe_rgb("Adobe RGB (EXIF)"),
-        _ if exif.is_r03 => Colour::adobe_rgb("Adobe RGB (EXIF)"),
-        _ => Ok(Colour::srgb("sRGB (not stated)")),
-    }
+    exif.colour()
 }
 
 /// Joins the parts of a profile: each begins with its number, from 1, and the number of parts.
@@ -136,6 +127,22 @@ fn all(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatEr
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).map_err(|error| ask.broken(error))?;
     Ok(bytes)
+}
+
+/// Reads a file at least up to the header of its first scan, so that opening many photographs does not read them all.
+fn head(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatError> {
+    let mut bytes = Vec::new();
+    let mut wanted = FIRST_BYTES;
+    loop {
+        let missing = wanted - bytes.len() as u64;
+        reader.by_ref().take(missing).read_to_end(&mut bytes).map_err(|error| ask.broken(error))?;
+        let next = |segment: &Segment<'_>| next_segment(&bytes, segment.end);
+        let mut all = std::iter::successors(next_segment(&bytes, 2), next);
+        if (bytes.len() as u64) < wanted || all.any(|one| matches!(one.marker, START_OF_SCAN | END_OF_IMAGE)) {
+            return Ok(bytes);
+        }
+        wanted *= 2;
+    }
 }
 
 /// The decoder of a file of grey or of colours.
@@ -173,6 +180,41 @@ mod tests {
         let accepted: Vec<usize> = (2..jpeg.len() - 2).filter(|length| check(&closed(*length)).is_ok()).collect();
         // A cut in the padding of the last byte loses nothing.
         assert!(accepted.len() <= 1, "{accepted:?}");
+    }
+
+    /// A header is read without the pixels, also behind long segments.
+    #[test]
+    fn headers_are_read_up_to_the_first_scan() {
+        let jpeg = jpeg();
+        let long = [&[0xff, 0xe4, 0xff, 0xff][..], &[7; 65533]].concat();
+        for segments in [0, 3] {
+            let whole = [&jpeg[..2], &long.repeat(segments), &jpeg[2..], &vec![0; 4 << 20]].concat();
+            let ask = Ask {
+                purpose: super::super::Purpose::Colours(None),
+                field: "image",
+                allowed: "",
+                formats: &[],
+                check: &|_| Ok(()),
+            };
+            let mut reader = Cursor::new(whole);
+            assert_eq!(header(&mut reader, &ask).unwrap().size, [40, 24]);
+            assert!(reader.position() <= 1 << 18, "{segments}: {}", reader.position());
+        }
+    }
+
+    /// Bounds the memory of a frame, which a file of a few bytes could ask for.
+    #[test]
+    fn frames_are_of_grey_or_three_components() {
+        let jpeg = jpeg();
+        let frame = jpeg.windows(2).position(|pair| pair == [0xff, 0xc0]).unwrap();
+        for count in [0, 2, 4, 255] {
+            let part = |id: u8| [id, 0x11, 0];
+            let parts: Vec<u8> = (0..count).flat_map(part).collect();
+            let length = (8 + parts.len() as u16).to_be_bytes();
+            let of_frame = [&[0xff, 0xc2][..], &length, &jpeg[frame + 4..frame + 9], &[count], &parts].concat();
+            let found = check(&[&jpeg[..2], &of_frame].concat());
+            assert_eq!(found, Err(format!("JPEG of {count} components")));
+        }
     }
 
     /// The end of an embedded preview does not count; fill bytes, stray bytes and trailing bytes are ignored.

@@ -2,6 +2,8 @@
 //!
 //! Entropy-coded data are walked through without computing coefficients (ITU-T T.81, F.2.2 and G.2).
 
+use brdfc_formats::memory::filled;
+
 /// Maximum number of bytes after the last block before a marker that are ignored.
 const MAX_STRAY_BYTES: usize = 8;
 /// Maximum number of scans of a file.
@@ -101,6 +103,10 @@ impl Scans {
         if self.size[0] * self.size[1] > MAX_PIXELS {
             return Some(Err(format!("JPEG of {} x {} pixels", self.size[0], self.size[1])));
         }
+        // Grey or colour; readers refuse four components.
+        if ![1, 3].contains(count) {
+            return Some(Err(format!("JPEG of {count} components")));
+        }
         let parts = rest.as_chunks::<3>().0.get(..usize::from(*count))?;
         let sampling: Vec<[usize; 2]> =
             parts.iter().map(|part| [part[1] >> 4, part[1] & 15].map(usize::from)).collect();
@@ -111,7 +117,11 @@ impl Scans {
         let mcus = [0, 1].map(|k| self.size[k].div_ceil(8 * most[k]));
         for (part, sampling) in parts.iter().zip(sampling) {
             let blocks = [mcus[0] * sampling[0], mcus[1] * sampling[1]];
-            let nonzero = if self.is_progressive { vec![0; blocks[0] * blocks[1]] } else { Vec::new() };
+            let count = if self.is_progressive { blocks[0] * blocks[1] } else { 0 };
+            let nonzero = match filled("JPEG coefficients", count, 0) {
+                Ok(nonzero) => nonzero,
+                Err(error) => return Some(Err(error.to_string())),
+            };
             self.components.push(Component { id: part[0], sampling, blocks, nonzero, missing: [u8::MAX; 64] });
         }
         Some(Ok(()))

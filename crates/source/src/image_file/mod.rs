@@ -17,9 +17,10 @@ mod tiff;
 
 pub(crate) use ask::{Ask, Purpose};
 pub use colour::CodeValues;
+pub(crate) use colour::GAMUT_ROUNDING;
 pub(crate) use header::Header;
 pub(crate) use jpeg::check as check_jpeg;
-pub(crate) use raster::{Raster, Samples};
+pub(crate) use raster::{Raster, Samples, collected};
 
 use ask::{ImageReader, rewind};
 use brdfc_formats::FormatError;
@@ -51,19 +52,15 @@ pub(crate) fn read_header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Resul
     rewind(reader, ask)?;
     let format = format_of(reader);
     rewind(reader, ask)?;
-    let mut header = match format {
-        Some(format) if !ask.formats.contains(&format) => return Err(ask.found(format!("{format:?}"))),
-        Some(ImageFormat::Png) => png::header(reader, ask)?,
-        Some(ImageFormat::Jpeg) => jpeg::header(reader, ask)?,
-        Some(ImageFormat::Tiff) => tiff::header(reader, ask)?,
-        Some(ImageFormat::OpenExr) => exr::header(reader, ask)?,
-        Some(ImageFormat::Hdr) => hdr::header(reader, ask)?,
-        _ => return Err(ask.broken("unknown format")),
-    };
-    if let Purpose::Colours(codes) = ask.purpose {
-        header.colour = header.colour.overridden(codes);
+    match format {
+        Some(format) if !ask.formats.contains(&format) => Err(ask.found(format!("{format:?}"))),
+        Some(ImageFormat::Png) => png::header(reader, ask),
+        Some(ImageFormat::Jpeg) => jpeg::header(reader, ask),
+        Some(ImageFormat::Tiff) => tiff::header(reader, ask),
+        Some(ImageFormat::OpenExr) => exr::header(reader, ask),
+        Some(ImageFormat::Hdr) => hdr::header(reader, ask),
+        _ => Err(ask.broken("unknown format")),
     }
-    Ok(header)
 }
 
 /// Reads an image: what it states, and its upright samples before the conversion of colours.
@@ -82,6 +79,6 @@ pub(crate) fn read(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<(Heade
         Some(ImageFormat::OpenExr) => exr::samples(reader, ask)?,
         _ => hdr::samples(reader, ask)?,
     };
-    let raster = header.orientation.upright(raster);
+    let raster = header.orientation.upright(raster)?;
     Ok((header, raster))
 }

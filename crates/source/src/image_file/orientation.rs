@@ -1,6 +1,8 @@
 //! Orders of pixels other than rows from the top, from left to right.
 
 use super::raster::{Raster, Samples};
+use brdfc_formats::FormatError;
+use brdfc_formats::memory::reserved;
 use std::fmt;
 
 /// An orientation, numbered 1 to 8 as in TIFF and EXIF.
@@ -40,23 +42,26 @@ impl Orientation {
     }
 
     /// Turns a raster upright.
-    pub(super) fn upright(self, raster: Raster) -> Raster {
+    ///
+    /// # Errors
+    /// Returns an error if there is not enough memory.
+    pub(super) fn upright(self, raster: Raster) -> Result<Raster, FormatError> {
         if self.is_upright() {
-            return raster;
+            return Ok(raster);
         }
         let Raster { size: stored, channels, samples } = raster;
         let size = self.size(stored);
         let samples = match samples {
-            Samples::U8(samples) => Samples::U8(self.turned(&samples, channels, stored)),
-            Samples::U16(samples) => Samples::U16(self.turned(&samples, channels, stored)),
-            Samples::F32(samples) => Samples::F32(self.turned(&samples, channels, stored)),
+            Samples::U8(samples) => Samples::U8(self.turned(&samples, channels, stored)?),
+            Samples::U16(samples) => Samples::U16(self.turned(&samples, channels, stored)?),
+            Samples::F32(samples) => Samples::F32(self.turned(&samples, channels, stored)?),
         };
-        Raster { size, channels, samples }
+        Ok(Raster { size, channels, samples })
     }
 
-    fn turned<T: Copy>(self, samples: &[T], channels: usize, stored: [usize; 2]) -> Vec<T> {
+    fn turned<T: Copy>(self, samples: &[T], channels: usize, stored: [usize; 2]) -> Result<Vec<T>, FormatError> {
         let [width, height] = self.size(stored);
-        let mut turned = Vec::with_capacity(samples.len());
+        let mut turned = reserved("pixels", samples.len())?;
         for y in 0..height {
             for x in 0..width {
                 let [column, row] = self.place(stored, [x, y]);
@@ -64,7 +69,7 @@ impl Orientation {
                 turned.extend_from_slice(&samples[at..at + channels]);
             }
         }
-        turned
+        Ok(turned)
     }
 }
 
@@ -104,7 +109,7 @@ mod tests {
         ];
         for (number, first, second) in expected {
             let raster = Raster { size: [3, 2], channels: 1, samples: Samples::U8((0..6).collect()) };
-            let upright = Orientation::of(number).upright(raster);
+            let upright = Orientation::of(number).upright(raster).unwrap();
             let Samples::U8(samples) = upright.samples else { panic!("{number}") };
             let find = |pixel: u8| {
                 let at = samples.iter().position(|sample| *sample == pixel).unwrap();

@@ -5,7 +5,7 @@ use super::colour::{Colour, Curve};
 use super::exif::Exif;
 use super::header::Header;
 use super::orientation::Orientation;
-use super::raster::{Depth, Raster, Samples};
+use super::raster::{Depth, Raster, Samples, collected};
 use brdfc_formats::FormatError;
 use brdfc_formats::memory::filled;
 use moxcms::{CicpProfile, ColorProfile, MatrixCoefficients, TransferCharacteristics};
@@ -33,16 +33,16 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
     let reader = open(reader, ask)?;
     let info = reader.info();
     let (colour, depth) = reader.output_color_type();
-    if has_profile && info.icc_profile.is_none() {
-        return Err(FormatError::whole("ICC profile", "a broken PNG chunk iCCP", "a complete profile").problem());
-    }
     let orientation = Orientation::of(exif.orientation.unwrap_or(1));
-    let converted = matches!(ask.purpose, Purpose::Colours(_));
+    let stated = || match has_profile && info.icc_profile.is_none() {
+        true => Err(FormatError::whole("ICC profile", "a broken PNG chunk iCCP", "a complete profile").problem()),
+        false => self::colour(info, colour.samples()),
+    };
     Ok(Header {
         size: orientation.size([info.width as usize, info.height as usize]),
         channels: colour.samples(),
         depth: if depth == BitDepth::Sixteen { Depth::U16 } else { Depth::U8 },
-        colour: if converted { self::colour(info, colour.samples())? } else { Colour::linear("stored values") },
+        colour: ask.colour(stated)?,
         orientation,
         notes: Vec::new(),
     })
@@ -65,7 +65,7 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
     reader.next_frame(&mut bytes).map_err(|error| ask.broken(error))?;
     let samples = match depth {
         BitDepth::Sixteen => {
-            Samples::U16(bytes.as_chunks().0.iter().map(|sample| u16::from_be_bytes(*sample)).collect())
+            Samples::U16(collected(bytes.as_chunks().0.iter().map(|sample| u16::from_be_bytes(*sample)))?)
         }
         _ => Samples::U8(bytes),
     };

@@ -2,17 +2,18 @@
 
 use super::ask::{Ask, ImageReader, Purpose};
 use super::colour::{Colour, Curve};
+use super::exif::{COLOUR_SPACE, Exif, INTEROPERABILITY_DIRECTORY, INTEROPERABILITY_INDEX};
 use super::header::Header;
 use super::jpeg::check as check_jpeg;
 use super::orientation::Orientation;
-use super::raster::{Depth, Raster, Samples};
+use super::raster::{Depth, Raster, Samples, collected};
 use brdfc_formats::FormatError;
 use std::fmt::Display;
 use std::io::Read;
 use tiff::ColorType;
 use tiff::decoder::ifd::Value;
-use tiff::decoder::{Decoder, DecodingResult, DecodingSampleType, Limits};
-use tiff::tags::Tag;
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, DecodingSampleType, Limits};
+use tiff::tags::{IfdPointer, Tag};
 
 /// Maximum memory of a decoded page, of a part of it and of a field, bytes.
 const MAX_PAGE_BYTES: usize = 2 << 30;
@@ -25,6 +26,13 @@ const FULL: u32 = 1;
 /// Values of `Compression`.
 const UNCOMPRESSED: u16 = 1;
 const JPEG: u16 = 7;
+/// Value of `PlanarConfiguration` of separate channels.
+const PLANAR: u64 = 2;
+/// Value of `ExtraSamples` of alpha that colours are multiplied by.
+const ASSOCIATED_ALPHA: u16 = 1;
+const TRANSFER_FUNCTION: Tag = Tag::Unknown(301);
+const WHITE_POINT: Tag = Tag::Unknown(318);
+const PRIMARY_CHROMATICITIES: Tag = Tag::Unknown(319);
 const ALLOWED: &str = "grey or RGB of unsigned integers of 8 or 16 bits, or of floats";
 
 /// The page to read, and its number from 1.
@@ -45,10 +53,7 @@ pub(super) fn header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Hea
         DecodingSampleType::U16 => Depth::U16,
         _ => Depth::F32,
     };
-    let colour = match ask.purpose {
-        Purpose::Colours(_) => colour(&mut decoder, channels, depth, ask)?,
-        _ => Colour::linear("stored values"),
-    };
+    let colour = ask.colour(|| colour(&mut decoder, channels, depth, ask))?;
     let notes = (number > 1).then(|| format!("page {number}: those before are reduced images or masks"));
     let size = orientation.size([width as usize, height as usize]);
     Ok(Header { size, channels, depth, colour, orientation, notes: notes.into_iter().collect() })
@@ -70,17 +75,44 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
         DecodingResult::U8(samples) => Samples::U8(interleaved(samples, planes, expected, ask)?),
         DecodingResult::U16(samples) => Samples::U16(interleaved(samples, planes, expected, ask)?),
         DecodingResult::F16(samples) => {
-            let floats = samples.into_iter().map(f32::from).collect();
+            let floats = collected(samples.into_iter().map(f32::from))?;
             Samples::F32(interleaved(floats, planes, expected, ask)?)
         }
         DecodingResult::F32(samples) => Samples::F32(interleaved(samples, planes, expected, ask)?),
         DecodingResult::F64(samples) => {
-            let floats = samples.into_iter().map(|sample| sample as f32).collect();
+            let floats = collected(samples.into_iter().map(|sample| sample as f32))?;
             Samples::F32(interleaved(floats, planes, expected, ask)?)
         }
         _ => return Err(ask.found("a TIFF of signed integers, or of more than 16 bits")),
     };
-    Ok(Raster { size, channels, samples })
+    let raster = Raster { size, channels, samples };
+    match ask.purpose {
+        Purpose::Colours(_) if is_associated(&mut decoder, ask)? => opaque(raster, ask),
+        _ => Ok(raster),
+    }
+}
+
+/// Returns true if the colours of a page are products with alpha.
+fn is_associated<R: ImageReader>(decoder: &mut Decoder<R>, ask: &Ask<'_>) -> Result<bool, FormatError> {
+    let extra: Option<Vec<u16>> =
+        decoder.find_tag_unsigned_vec(Tag::ExtraSamples).map_err(|error| broken(ask, error))?;
+    Ok(extra.is_some_and(|extra| extra.first() == Some(&ASSOCIATED_ALPHA)))
+}
+
+/// Checks that alpha is 1 everywhere: it is ignored, and colours multiplied by it would be too dark.
+fn opaque(raster: Raster, ask: &Ask<'_>) -> Result<Raster, FormatError> {
+    let Raster { size, channels, samples } = &raster;
+    let all = (channels - 1..size[0] * size[1] * channels).step_by(*channels);
+    let is_less = |at: &usize| match samples {
+        Samples::U8(samples) => samples[*at] < u8::MAX,
+        Samples::U16(samples) => samples[*at] < u16::MAX,
+        Samples::F32(samples) => samples[*at].is_nan() || samples[*at] < 1.0,
+    };
+    let Some(at) = all.into_iter().find(is_less) else { return Ok(raster) };
+    let pixel = at / channels;
+    let found =
+        format!("colours multiplied by alpha, with alpha below 1 at ({}, {})", pixel % size[0], pixel / size[0]);
+    Err(FormatError::whole(format!("{} of TIFF, ExtraSamples", ask.field), found, "unassociated alpha (2), or none"))
 }
 
 /// Checks that strips or tiles are complete: the decoder reads on beyond uncompressed ones, and fills JPEGs with grey.
@@ -112,12 +144,25 @@ fn check_lengths<R: ImageReader>(decoder: &mut Decoder<R>, ask: &Ask<'_>) -> Res
     if compression.is_some_and(|compression| compression != UNCOMPRESSED) {
         return Ok(());
     }
-    let stated = lengths.into_iter().fold(0, u64::saturating_add);
-    let expected = decoder.image_buffer_layout().map_err(|error| broken(ask, error))?.complete_len as u64;
-    if stated < expected {
-        return Err(ask.broken(format!("strips or tiles of {stated} of {expected} bytes: the TIFF is truncated")));
+    let samples = samples_of_parts(decoder, ask)?;
+    let bits = u64::from(decoder.colortype().map_err(|error| broken(ask, error))?.bit_depth());
+    // Rows of tiles have their whole width.
+    let (width, _) = decoder.chunk_dimensions();
+    let row = (u64::from(width) * samples * bits).div_ceil(8);
+    for (part, stated) in (0..).zip(lengths) {
+        let expected = u64::from(decoder.chunk_data_dimensions(part).1) * row;
+        if stated < expected {
+            let found = format!("strip or tile {} of {stated} bytes instead of {expected}", part + 1);
+            return Err(ask.broken(format!("{found}: the TIFF is truncated")));
+        }
     }
     Ok(())
+}
+
+/// Samples per pixel of a strip or tile.
+fn samples_of_parts<R: ImageReader>(decoder: &mut Decoder<R>, ask: &Ask<'_>) -> Result<u64, FormatError> {
+    let mut number = |tag| decoder.find_tag_unsigned::<u64>(tag).map_err(|error| broken(ask, error));
+    Ok(if number(Tag::PlanarConfiguration)? == Some(PLANAR) { 1 } else { number(Tag::SamplesPerPixel)?.unwrap_or(1) })
 }
 
 fn interleaved<T: Copy>(samples: Vec<T>, planes: usize, expected: usize, ask: &Ask<'_>) -> Result<Vec<T>, FormatError> {
@@ -128,7 +173,7 @@ fn interleaved<T: Copy>(samples: Vec<T>, planes: usize, expected: usize, ask: &A
         return Ok(samples);
     }
     let pixels = expected / planes;
-    Ok((0..expected).map(|at| samples[at % planes * pixels + at / planes]).collect())
+    collected((0..expected).map(|at| samples[at % planes * pixels + at / planes]))
 }
 
 /// Finds the first page that is no reduced image and no mask.
@@ -157,6 +202,7 @@ fn open<R: ImageReader>(reader: R, ask: &Ask<'_>) -> Result<Page<R>, FormatError
         ColorType::RGBA(_) => 4,
         other => return Err(wrong(format!("{other:?}"))),
     };
+    check_layout(&mut decoder, channels, ask)?;
     let layout = decoder.image_buffer_layout().map_err(|error| broken(ask, error))?;
     match layout.sample_type {
         Some(sample @ (DecodingSampleType::U8 | DecodingSampleType::U16)) if [8, 16].contains(&colour.bit_depth()) => {
@@ -167,6 +213,27 @@ fn open<R: ImageReader>(reader: R, ask: &Ask<'_>) -> Result<Page<R>, FormatError
         }
         _ => Err(wrong(format!("{:?} of {} bits (SampleFormat)", layout.sample_format, colour.bit_depth()))),
     }
+}
+
+/// Rejects layouts that the decoder gets wrong.
+fn check_layout<R: ImageReader>(decoder: &mut Decoder<R>, channels: usize, ask: &Ask<'_>) -> Result<(), FormatError> {
+    let samples = samples_of_parts(decoder, ask)?;
+    let mut number = |tag| decoder.find_tag_unsigned::<u64>(tag).map_err(|error| broken(ask, error));
+    let [planar, predictor] = [number(Tag::PlanarConfiguration)? == Some(PLANAR), number(Tag::Predictor)? > Some(1)];
+    let is_tiled = decoder.get_chunk_type() == ChunkType::Tile;
+    // It drops the other samples before it undoes the predictor, and writes whole rows of tiles.
+    if !planar && samples != channels as u64 && (is_tiled || predictor) {
+        let found = format!("{samples} in {}", if predictor { "rows with a predictor" } else { "tiles" });
+        return Err(FormatError::whole("TIFF field SamplesPerPixel", found, format!("{channels}, or plain strips")));
+    }
+    // It finds the last row of tiles of the first plane only.
+    let (height, tile) = (decoder.dimensions().map_err(|error| broken(ask, error))?.1, decoder.chunk_dimensions().1);
+    if planar && channels > 1 && is_tiled && height % tile != 0 {
+        let found = format!("separate planes (2) in tiles of {tile} rows");
+        let allowed = format!("a divisor of {height} rows, or samples next to each other (1)");
+        return Err(FormatError::whole("TIFF field PlanarConfiguration", found, allowed));
+    }
+    Ok(())
 }
 
 fn is_full<R: ImageReader>(decoder: &mut Decoder<R>) -> Result<bool, tiff::TiffError> {
@@ -189,25 +256,50 @@ fn colour<R: ImageReader>(
         let icc = icc.into_u8_vec().map_err(|error| broken(ask, error))?;
         return Colour::of_profile(&icc, channels);
     }
-    let mut pairs = |tag| -> Result<Option<Vec<[f64; 2]>>, FormatError> {
-        let Some(Value::List(values)) = decoder.find_tag(tag).map_err(|error| broken(ask, error))? else {
-            return Ok(None);
-        };
-        let numbers: Option<Vec<f64>> = values.iter().map(number).collect();
-        Ok(numbers.map(|numbers| numbers.as_chunks().0.to_vec()))
+    let mut numbers = |tag| -> Result<Option<Vec<f64>>, FormatError> {
+        Ok(match decoder.find_tag(tag).map_err(|error| broken(ask, error))? {
+            Some(Value::List(values)) => Some(values.iter().filter_map(number).collect()),
+            Some(_) => Some(Vec::new()),
+            None => None,
+        })
     };
-    let (white, primaries) = (pairs(Tag::Unknown(318))?, pairs(Tag::Unknown(319))?);
+    if numbers(TRANSFER_FUNCTION)?.is_some() {
+        let allowed = "an ICC profile, or no such field";
+        return Err(FormatError::whole("TIFF field TransferFunction", "a curve", allowed));
+    }
+    let (white, primaries) = (numbers(WHITE_POINT)?, numbers(PRIMARY_CHROMATICITIES)?);
+    // A white says nothing about RGB without primaries.
     let primaries = match (white.as_deref(), primaries.as_deref()) {
-        (Some([white]), Some([r, g, b])) => Some([*r, *g, *b, *white]),
-        _ => None,
+        (_, None) => None,
+        (Some([x, y]), Some([rx, ry, gx, gy, bx, by])) => Some([[*rx, *ry], [*gx, *gy], [*bx, *by], [*x, *y]]),
+        (white, Some(primaries)) => {
+            let found = format!("{} numbers, WhitePoint {}", primaries.len(), white.map_or(0, <[f64]>::len));
+            let allowed = "6 numbers, and 2 of WhitePoint";
+            return Err(FormatError::whole("TIFF field PrimaryChromaticities", found, allowed));
+        }
     };
     let stated = "primaries of TIFF field PrimaryChromaticities";
     match (depth, primaries) {
         (Depth::F32, None) => Ok(Colour::linear("linear (TIFF of floats)")),
         (Depth::F32, primaries) => Colour::of_curve(stated, Curve::LINEAR, primaries),
-        (_, None) => Ok(Colour::srgb("sRGB (not stated)")),
+        (_, None) => exif(decoder).colour(),
         (_, Some(primaries)) => Colour::of_srgb_curve(stated, primaries),
     }
+}
+
+/// EXIF metadata of a page; fields of broken metadata are missing.
+fn exif<R: ImageReader>(decoder: &mut Decoder<R>) -> Exif {
+    let mut exif = Exif::default();
+    let first = decoder.find_tag_unsigned(Tag::ExifDirectory).ok().flatten();
+    let Some(directory) = first.and_then(|at| decoder.read_directory(IfdPointer(at)).ok()) else { return exif };
+    let mut tags = decoder.read_directory_tags(&directory);
+    exif.colour_space = tags.find_tag_unsigned(Tag::Unknown(COLOUR_SPACE)).ok().flatten();
+    let next = tags.find_tag_unsigned(Tag::Unknown(INTEROPERABILITY_DIRECTORY)).ok().flatten();
+    if let Some(directory) = next.and_then(|at| decoder.read_directory(IfdPointer(at)).ok()) {
+        let index = decoder.read_directory_tags(&directory).find_tag(Tag::Unknown(INTEROPERABILITY_INDEX));
+        exif.is_r03 = matches!(index, Ok(Some(Value::Ascii(index))) if index == "R03");
+    }
+    exif
 }
 
 fn number(value: &Value) -> Option<f64> {

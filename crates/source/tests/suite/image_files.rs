@@ -13,6 +13,7 @@ use exr::prelude::{
     WritableImage,
 };
 use moxcms::{ColorProfile, ToneReprCurve};
+use std::collections::BTreeMap;
 use std::io::Cursor;
 use tiff::encoder::{TiffEncoder, colortype};
 use tiff::tags::Tag;
@@ -137,13 +138,17 @@ impl Stated {
     }
 }
 
-fn png_of(samples: &[u8], depth: png::BitDepth, chunks: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+type Chunks<'a> = &'a [(&'a [u8; 4], Vec<u8>)];
+
+fn png_of(colour: png::ColorType, samples: &[u8], depth: png::BitDepth, chunks: Chunks<'_>) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, SIZE[0] as u32, SIZE[1] as u32);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(colour);
     encoder.set_depth(depth);
+    let (palette, others): (Vec<_>, Vec<_>) = chunks.iter().partition(|(name, _)| *name == b"PLTE");
+    palette.into_iter().for_each(|(_, data)| encoder.set_palette(data.clone()));
     let mut writer = encoder.write_header().unwrap();
-    for (name, data) in chunks {
+    for (name, data) in others {
         writer.write_chunk(png::chunk::ChunkType(**name), data).unwrap();
     }
     writer.write_image_data(samples).unwrap();
@@ -151,13 +156,13 @@ fn png_of(samples: &[u8], depth: png::BitDepth, chunks: &[(&[u8; 4], Vec<u8>)]) 
     bytes
 }
 
-fn png8(chunks: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
-    png_of(&eight(), png::BitDepth::Eight, chunks)
+fn png8(chunks: Chunks<'_>) -> Vec<u8> {
+    png_of(png::ColorType::Rgb, &eight(), png::BitDepth::Eight, chunks)
 }
 
-fn png16(chunks: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+fn png16(chunks: Chunks<'_>) -> Vec<u8> {
     let samples: Vec<u8> = sixteen().iter().flat_map(|v| v.to_be_bytes()).collect();
-    png_of(&samples, png::BitDepth::Sixteen, chunks)
+    png_of(png::ColorType::Rgb, &samples, png::BitDepth::Sixteen, chunks)
 }
 
 fn iccp(profile: &[u8]) -> (&'static [u8; 4], Vec<u8>) {
@@ -317,12 +322,19 @@ fn colours_are_converted_as_the_file_states_them() {
             let unstated = difference(&image, |v| v.map(if depth == 32 { |v| v } else { srgb }), depth == 32);
             let is_same = stated == Stated::Nothing || (depth == 32 && stated == Stated::Linear);
             assert_eq!(unstated < 0.03, is_same, "{name}: {unstated}");
-            for (codes, meaning) in [(CodeValues::Linear, Stated::Linear), (CodeValues::Srgb, Stated::Nothing)] {
-                let (image, found) = photograph(&bytes, extension, Some(codes)).unwrap();
-                let off = difference(&image, |v| meaning.linear(v), depth == 32);
-                assert!(off < tolerance && found.contains("read as"), "{name} as {codes:?}: {off}, {found}");
+            if stated == Stated::P3 {
+                assert_overridden(&bytes, extension, tolerance);
             }
         }
+    }
+}
+
+/// Reads code values as linear and as sRGB in spite of what the file states.
+fn assert_overridden(bytes: &[u8], extension: &str, tolerance: f64) {
+    for (codes, meaning) in [(CodeValues::Linear, Stated::Linear), (CodeValues::Srgb, Stated::Nothing)] {
+        let (image, found) = photograph(bytes, extension, Some(codes)).unwrap_or_else(|e| panic!("{codes:?}: {e}"));
+        let off = difference(&image, |v| meaning.linear(v), false);
+        assert!(off < tolerance && found.contains("read as"), "{extension} as {codes:?}: {off}, {found}");
     }
 }
 
@@ -335,9 +347,11 @@ fn chunks_of_png_have_an_order() {
     let p3 = |v: [f64; 3]| Stated::P3.linear(v);
     let rec2020 = |v: [f64; 3]| to_rec709(v, [[0.708, 0.292], [0.17, 0.797], [0.131, 0.046]], D65);
     type Case<'a> = (&'a str, Vec<(&'a [u8; 4], Vec<u8>)>, &'a dyn Fn([f64; 3]) -> [f64; 3]);
-    let cases: [Case<'_>; 9] = [
+    let cases: [Case<'_>; 10] = [
         ("gAMA", vec![linear.clone()], &|v| v),
         ("gAMA 1/2.2", vec![gama(0.45455)], &|v| v.map(|v| v.powf(1.0 / 0.45455))),
+        // Near linear, and more than rounding.
+        ("gAMA 0.99602", vec![gama(0.99602)], &|v| v.map(|v| v.powf(1.0 / 0.99602))),
         ("gAMA, cHRM", vec![gama(0.45455), chrm(P3, D65)], &|v| to_rec709(v.map(|v| v.powf(1.0 / 0.45455)), P3, D65)),
         ("cHRM", vec![chrm(P3, D65)], &p3),
         ("sRGB over gAMA", vec![srgb_chunk.clone(), linear.clone(), chrm(P3, D65)], &|v| v.map(srgb)),
@@ -354,8 +368,10 @@ fn chunks_of_png_have_an_order() {
         }
     }
     for (primaries, transfer) in [(9, 16), (9, 18), (1, 2), (200, 13)] {
-        let error = photograph(&png8(&[cicp(primaries, transfer)]), "png", None).unwrap_err();
+        let png = png8(&[cicp(primaries, transfer)]);
+        let error = photograph(&png, "png", None).unwrap_err();
         assert!(error.contains("PNG chunk cICP: found cICP"), "{error}");
+        assert_overridden(&png, "png", 1e-3);
     }
 }
 
@@ -369,26 +385,91 @@ fn exif_and_fields_of_tiff_state_colours() {
         let (image, found) = photograph(&bytes, "jpg", None).unwrap();
         let off = if is_adobe { difference(&image, adobe, false) } else { difference(&image, |v| v.map(srgb), false) };
         assert!(off < 0.03 && found.contains("Adobe RGB") == is_adobe, "{colour_space} {is_r03}: {off}, {found}");
+        let is_uncalibrated = colour_space == 0xffff && !is_r03;
+        assert_eq!(found.contains("sRGB (EXIF states an uncalibrated colour space)"), is_uncalibrated, "{found}");
+        // A TIFF points to the same directory.
+        let of = |at| tiff::<colortype::RGB16>(&sixteen(), &[(Tag::ExifDirectory, TagValue::Long(at))]);
+        let at = of(0).len() as u32;
+        let mut directories = exif(1, colour_space, is_r03)[38..].to_vec();
+        directories[22..26].copy_from_slice(&(at + 30).to_le_bytes());
+        let (image, in_tiff) = photograph(&[of(at), directories].concat(), "tif", None).unwrap();
+        let off = if is_adobe { difference(&image, adobe, false) } else { difference(&image, |v| v.map(srgb), false) };
+        assert!(off < 1e-3 && in_tiff == found, "{colour_space} {is_r03}: {off}, {in_tiff}");
     }
-    let tags =
-        [(Tag::Unknown(318), TagValue::Rationals(D65.to_vec())), (Tag::Unknown(319), TagValue::Rationals(P3.concat()))];
-    let (image, found) = photograph(&tiff::<colortype::RGB16>(&sixteen(), &tags), "tif", None).unwrap();
+    let white = || (Tag::Unknown(318), TagValue::Rationals(D65.to_vec()));
+    let primaries = || (Tag::Unknown(319), TagValue::Rationals(P3.concat()));
+    let of = |tags: Tags<'_>| tiff::<colortype::RGB16>(&sixteen(), tags);
+    let (image, found) = photograph(&of(&[white(), primaries()]), "tif", None).unwrap();
     assert!(difference(&image, |v| Stated::P3.linear(v), false) < 1e-3, "{found}");
+    assert!(photograph(&of(&[white()]), "tif", None).unwrap().1.contains("sRGB (not stated)"));
+    let curve = (Tag::Unknown(301), TagValue::Bytes(vec![0; 256]));
+    for (tags, expected) in [
+        (vec![primaries()], "PrimaryChromaticities: found 6 numbers, WhitePoint 0, expected"),
+        (vec![curve], "TransferFunction: found a curve, expected an ICC profile"),
+    ] {
+        let error = photograph(&of(&tags), "tif", None).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+        assert_overridden(&of(&tags), "tif", 1e-3);
+    }
+}
+
+#[test]
+fn clipped_pixels_are_counted() {
+    for stated in [Stated::P3, Stated::Adobe, Stated::Nothing] {
+        let icc = stated.profile();
+        let chunks: Vec<_> = icc.iter().map(|icc| iccp(icc)).collect();
+        let is_outside = |block: &usize| {
+            let [x, y] = [block % BLOCKS[0] * BLOCK, block / BLOCKS[0] * BLOCK];
+            let linear = stated.linear(std::array::from_fn(|c| code(x, y, c)));
+            linear.iter().any(|v| !(-1e-3..=1.001).contains(v))
+        };
+        let blocks = BLOCKS[0] * BLOCKS[1];
+        let count = (0..blocks).filter(is_outside).count();
+        assert_eq!(count > 0, stated != Stated::Nothing);
+        let share = 100.0 * count as f64 / blocks as f64;
+        let expected = format!("{share:.3} % of the pixels lie outside the gamut of Rec. 709 and were clipped");
+        for bytes in [png8(&chunks), png16(&chunks)] {
+            let conversions = photograph(&bytes, "png", None).unwrap().0.conversions;
+            assert_eq!(conversions.get(1), Some(&expected).filter(|_| count > 0), "{stated:?} {conversions:?}");
+        }
+    }
 }
 
 #[test]
 fn profiles_that_do_not_fit_are_refused() {
-    let error = |icc: &[u8]| photograph(&png8(&[iccp(icc)]), "png", None).unwrap_err();
     let grey = ColorProfile::new_gray_with_gamma(2.2).encode().unwrap();
-    assert!(error(&grey).contains("ICC profile: found a profile of Gray for 3 channels, expected"), "{}", error(&grey));
-    assert!(error(b"no profile").contains("ICC profile: "), "{}", error(b"no profile"));
-    let broken = photograph(&png8(&[(b"iCCP", b"x\0\0no stream".to_vec())]), "png", None).unwrap_err();
-    assert!(broken.contains("ICC profile: a broken PNG chunk iCCP; expected"), "{broken}");
-    let adobe = Stated::Adobe.profile().unwrap();
-    let mut parts = jpeg_icc(&adobe, 100);
+    let mut without_primaries = ColorProfile::new_adobe_rgb();
+    let black = moxcms::Xyzd::default();
+    let colorants = [
+        &mut without_primaries.red_colorant,
+        &mut without_primaries.green_colorant,
+        &mut without_primaries.blue_colorant,
+    ];
+    colorants.into_iter().for_each(|colorant| *colorant = black);
+    let mut parts = jpeg_icc(&Stated::Adobe.profile().unwrap(), 100);
     parts.remove(1);
-    let missing = photograph(&jpeg(&parts), "jpg", None).unwrap_err();
-    assert!(missing.contains("ICC profile: found") && missing.contains("expected all parts"), "{missing}");
+    let broken = png8(&[(b"iCCP", b"x\0\0no stream".to_vec())]);
+    for (bytes, extension, expected) in [
+        (png8(&[iccp(&grey)]), "png", "ICC profile: found a profile of Gray for 3 channels, expected"),
+        (png8(&[iccp(b"no profile")]), "png", "ICC profile: "),
+        (
+            png8(&[iccp(&without_primaries.encode().unwrap())]),
+            "png",
+            "found a matrix whose white is [0.000, 0.000, 0.000]",
+        ),
+        (broken.clone(), "png", "ICC profile: a broken PNG chunk iCCP; expected"),
+        (jpeg(&parts), "jpg", "expected all parts of the profile"),
+    ] {
+        let error = photograph(&bytes, extension, None).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+        assert_overridden(&bytes, extension, if extension == "jpg" { 0.03 } else { 1e-3 });
+    }
+    // Numbers have no colour.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    std::fs::write(&path, broken).unwrap();
+    assert!(open_colours(Input::File(path.clone())).is_err());
+    assert_eq!(open_shares(Input::File(path)).unwrap().conversions, ["stored values"]);
 }
 
 /// The pixel of the file that an orientation puts at a place of the upright image.
@@ -428,6 +509,10 @@ fn images_are_turned_upright() {
             }
         }
     }
+    // Some writers store the orientation as LONG.
+    let long = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x04\0\0\0\x01\0\0\0\x06\0\0\0\0";
+    let (_, found) = photograph(&jpeg(&[jpeg_exif(long.to_vec())]), "jpg", None).unwrap();
+    assert!(found.contains("orientation 6 ("), "{found}");
     // EXIF may follow the pixels.
     let (with, without) = (png8(&[(b"eXIf", exif(3, 1, false))]), png8(&[]));
     let (head, tail) = without.split_at(without.len() - 12);
@@ -497,6 +582,204 @@ fn pages_and_sample_formats_of_tiff_are_those_that_fields_name() {
     assert!(photograph(&cmyk, "tif", None).unwrap_err().contains("TIFF samples: found CMYK(8)"));
 }
 
+/// A TIFF of fields of 16 bits, by default of 8-bit RGB, whose strips or tiles are `parts`.
+fn raw_tiff(is_big: bool, fields: &[(u16, &[u16])], parts: &[Vec<u8>]) -> Vec<u8> {
+    let short = |v: u16| if is_big { v.to_be_bytes() } else { v.to_le_bytes() };
+    let long = |v: usize| if is_big { (v as u32).to_be_bytes() } else { (v as u32).to_le_bytes() };
+    let [width, height] = SIZE.map(|side| side as u16);
+    let default: [(u16, &[u16]); 7] =
+        [(256, &[width]), (257, &[height]), (258, &[8]), (259, &[1]), (262, &[2]), (277, &[3]), (278, &[height])];
+    let is_tiled = fields.iter().any(|(tag, _)| *tag == 322);
+    let all: BTreeMap<u16, &[u16]> = default.into_iter().chain(fields.iter().copied()).collect();
+    let all = all.into_iter().filter(|(tag, _)| *tag != 278 || !is_tiled);
+    let mut entries: Vec<(u16, u16, usize, Vec<u8>)> =
+        all.map(|(tag, values)| (tag, 3, values.len(), values.iter().flat_map(|v| short(*v)).collect())).collect();
+    let [offsets, lengths] = if is_tiled { [324, 325] } else { [273, 279] };
+    let of_lengths = parts.iter().flat_map(|part| long(part.len())).collect();
+    entries.push((lengths, 4, parts.len(), of_lengths));
+    entries.push((offsets, 4, parts.len(), vec![0; 4 * parts.len()]));
+    entries.sort_by_key(|entry| entry.0);
+    // Values of more than four bytes follow the directory, and the parts follow them.
+    let values_at = 8 + 2 + 12 * entries.len() + 4;
+    let values: usize = entries.iter().map(|entry| entry.3.len()).filter(|length| *length > 4).sum();
+    let mut at = values_at + values;
+    let mut offsets_of_parts = Vec::new();
+    for part in parts {
+        offsets_of_parts.extend(long(at));
+        at += part.len();
+    }
+    entries.iter_mut().filter(|entry| entry.0 == offsets).for_each(|entry| entry.3.clone_from(&offsets_of_parts));
+    let mut bytes = [if is_big { &b"MM\0*"[..] } else { b"II*\0" }, &long(8), &short(entries.len() as u16)].concat();
+    let mut after = Vec::new();
+    for (tag, kind, count, mut value) in entries {
+        bytes.extend([&short(tag)[..], &short(kind), &long(count)].concat());
+        if value.len() > 4 {
+            bytes.extend(long(values_at + after.len()));
+            after.append(&mut value);
+        } else {
+            value.resize(4, 0);
+            bytes.append(&mut value);
+        }
+    }
+    [bytes, vec![0; 4], after, parts.concat()].concat()
+}
+
+/// Part of the image from a corner, with 0 outside, as bytes of some channels.
+fn part([left, top]: [usize; 2], [width, height]: [usize; 2], of: impl Fn([u8; 3]) -> Vec<u8>) -> Vec<u8> {
+    let places = (0..width * height).map(|at| [left + at % width, top + at / width]);
+    let level =
+        |x: usize, y: usize, c| if x < SIZE[0] && y < SIZE[1] { (255.0 * code(x, y, c)).round() as u8 } else { 0 };
+    places.flat_map(|[x, y]| of([0, 1, 2].map(|c| level(x, y, c)))).collect()
+}
+
+/// Parts of a size, row by row.
+fn parts(size: [usize; 2], of: impl Fn([u8; 3]) -> Vec<u8>) -> Vec<Vec<u8>> {
+    let count = [0, 1].map(|k| SIZE[k].div_ceil(size[k]));
+    (0..count[0] * count[1]).map(|k| part([k % count[0] * size[0], k / count[0] * size[1]], size, &of)).collect()
+}
+
+fn compressed<C: colortype::ColorType>(
+    samples: &[C::Inner],
+    compression: tiff::encoder::Compression,
+    predictor: tiff::tags::Predictor,
+) -> Vec<u8>
+where
+    [C::Inner]: tiff::encoder::TiffValue,
+{
+    let mut bytes = Cursor::new(Vec::new());
+    let encoder = TiffEncoder::new(&mut bytes).unwrap().with_compression(compression).with_predictor(predictor);
+    tiff_page::<C>(&mut { encoder }, SIZE, samples, &[]);
+    bytes.into_inner()
+}
+
+/// Rows of floats with the predictor of floating-point numbers: planes of bytes, then differences.
+fn predicted_floats() -> Vec<u8> {
+    let floats: Vec<f32> = codes(|v| v as f32);
+    let row = |row: &[f32]| {
+        let planes: Vec<u8> = (0..4).flat_map(|k| row.iter().map(move |v| v.to_be_bytes()[k])).collect();
+        (0..planes.len()).map(|k| planes[k].wrapping_sub(if k < 3 { 0 } else { planes[k - 3] })).collect::<Vec<_>>()
+    };
+    floats.chunks(3 * SIZE[0]).flat_map(row).collect()
+}
+
+#[test]
+fn layouts_of_samples_are_read() {
+    use png::{BitDepth, ColorType};
+    use tiff::encoder::{Compression, DeflateLevel};
+    use tiff::tags::Predictor;
+    let rgb = |v: [f64; 3]| v.map(srgb);
+    let grey = |v: [f64; 3]| [srgb(v[0]); 3];
+    let linear = |v: [f64; 3]| v;
+    let gamma = |v: [f64; 3]| [v[0].powf(2.2); 3];
+    // Big-endian numbers near 257 times the level, of two different bytes.
+    let wide_level = |v: u8| [v, v ^ 1];
+    let wide = |v: [u8; 3]| v.into_iter().flat_map(wide_level).collect();
+    let plane = |c: usize| move |v: [u8; 3]| vec![v[c]];
+    let wide_plane = |c: usize| move |v: [u8; 3]| wide_level(v[c]).to_vec();
+    let with = |alpha: u8| move |v: [u8; 3]| [&v[..], &[alpha]].concat();
+    let planes = |size| [0, 1, 2].map(|c| parts(size, plane(c))).concat();
+    let wide_planes = [0, 1, 2].map(|c| parts([SIZE[0], 10], wide_plane(c)));
+    // The last strip has two rows.
+    let wide_planes = wide_planes.map(|mut plane| {
+        plane[3].truncate(2 * 2 * SIZE[0]);
+        plane
+    });
+    let mut jpeg = Cursor::new(Vec::new());
+    let levels = part([0, 0], SIZE, plane(0));
+    image::GrayImage::from_raw(SIZE[0] as u32, SIZE[1] as u32, levels.clone())
+        .unwrap()
+        .write_to(&mut jpeg, image::ImageFormat::Jpeg)
+        .unwrap();
+    let tile: [(u16, &[u16]); 2] = [(322, &[32]), (323, &[16])];
+    let grey_profile = ColorProfile::new_gray_with_gamma(2.2).encode().unwrap();
+    let palette: Vec<u8> = parts([BLOCK; 2], |v| v.to_vec()).iter().flat_map(|block| block[..3].to_vec()).collect();
+    let index: Vec<u8> =
+        (0..SIZE[0] * SIZE[1]).map(|at| (at / SIZE[0] / BLOCK * BLOCKS[0] + at % SIZE[0] / BLOCK) as u8).collect();
+    let grey_alpha = part([0, 0], SIZE, |v| vec![v[0], 70]);
+    type Case<'a> = (&'a str, &'a str, Vec<u8>, &'a dyn Fn([f64; 3]) -> [f64; 3]);
+    let cases: Vec<Case<'_>> = vec![
+        ("LZW", "tif", compressed::<colortype::RGB16>(&sixteen(), Compression::Lzw, Predictor::Horizontal), &rgb),
+        (
+            "Deflate",
+            "tif",
+            compressed::<colortype::RGB8>(&eight(), Compression::Deflate(DeflateLevel::Fast), Predictor::Horizontal),
+            &rgb,
+        ),
+        ("PackBits", "tif", compressed::<colortype::RGB8>(&eight(), Compression::Packbits, Predictor::None), &rgb),
+        (
+            "predictor 3",
+            "tif",
+            raw_tiff(false, &[(258, &[32]), (317, &[3]), (339, &[3])], &[predicted_floats()]),
+            &linear,
+        ),
+        ("tiles", "tif", raw_tiff(false, &tile, &parts([32, 16], |v| v.to_vec())), &rgb),
+        ("tiles of 16 bits", "tif", raw_tiff(true, &[tile[0], tile[1], (258, &[16])], &parts([32, 16], wide)), &rgb),
+        ("planes", "tif", raw_tiff(true, &[(258, &[16]), (278, &[10]), (284, &[2])], &wide_planes.concat()), &rgb),
+        (
+            "a plane of tiles",
+            "tif",
+            raw_tiff(
+                false,
+                &[(322, &[32]), (323, &[48]), (262, &[1]), (277, &[1]), (284, &[2])],
+                &parts([32, 48], plane(0)),
+            ),
+            &grey,
+        ),
+        ("planes of tiles", "tif", raw_tiff(false, &[tile[0], tile[1], (284, &[2])], &planes([32, 16])), &rgb),
+        ("alpha", "tif", raw_tiff(true, &[(277, &[4]), (338, &[2])], &[part([0, 0], SIZE, with(70))]), &rgb),
+        ("opaque", "tif", raw_tiff(false, &[(277, &[4]), (338, &[1])], &[part([0, 0], SIZE, with(255))]), &rgb),
+        ("another sample", "tif", raw_tiff(false, &[(277, &[4]), (338, &[0])], &[part([0, 0], SIZE, with(70))]), &rgb),
+        (
+            "grey, alpha",
+            "tif",
+            raw_tiff(false, &[(262, &[1]), (277, &[2]), (338, &[2])], std::slice::from_ref(&grey_alpha)),
+            &grey,
+        ),
+        ("JPEG", "tif", raw_tiff(false, &[(259, &[7]), (262, &[1]), (277, &[1])], &[jpeg.into_inner()]), &grey),
+        ("palette", "png", png_of(ColorType::Indexed, &index, BitDepth::Eight, &[(b"PLTE", palette.clone())]), &rgb),
+        (
+            "palette, tRNS",
+            "png",
+            png_of(ColorType::Indexed, &index, BitDepth::Eight, &[(b"PLTE", palette), (b"tRNS", vec![9; 6])]),
+            &rgb,
+        ),
+        ("tRNS", "png", png8(&[(b"tRNS", vec![0, 200, 0, 40, 0, 90])]), &rgb),
+        ("RGBA", "png", png_of(ColorType::Rgba, &part([0, 0], SIZE, with(70)), BitDepth::Eight, &[]), &rgb),
+        ("grey, alpha", "png", png_of(ColorType::GrayscaleAlpha, &grey_alpha, BitDepth::Eight, &[]), &grey),
+        ("grey profile", "png", png_of(ColorType::Grayscale, &levels, BitDepth::Eight, &[iccp(&grey_profile)]), &gamma),
+    ];
+    for (name, extension, bytes, expected) in &cases {
+        let (image, found) = photograph(bytes, extension, None).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let off = difference(&image, expected, false);
+        assert!(off < if *name == "JPEG" { 0.03 } else { 1e-3 }, "{extension} {name}: {off}, {found}");
+    }
+
+    let four = |fields: &[(u16, &[u16])], parts: &[Vec<u8>]| {
+        raw_tiff(false, &[&[(277, &[4][..]), (338, &[0])], fields].concat(), parts)
+    };
+    let mut swapped = parts([SIZE[0], 16], |v| v.to_vec());
+    let moved = swapped[0].pop().unwrap();
+    swapped[1].push(moved);
+    let whole = |alpha| vec![part([0, 0], SIZE, with(alpha))];
+    for (bytes, expected) in [
+        (
+            four(&[(317, &[2])], &whole(70)),
+            "SamplesPerPixel: found 4 in rows with a predictor, expected 3, or plain strips",
+        ),
+        (four(&tile, &parts([32, 16], with(70))), "SamplesPerPixel: found 4 in tiles, expected 3, or plain strips"),
+        (
+            raw_tiff(false, &[(322, &[32]), (323, &[48]), (284, &[2])], &planes([32, 48])),
+            "PlanarConfiguration: found separate planes (2) in tiles of 48 rows, expected a divisor of 32 rows",
+        ),
+        (four(&[(338, &[1])], &whole(70)), "found colours multiplied by alpha, with alpha below 1 at (0, 0), expected"),
+        (raw_tiff(false, &[(278, &[16])], &swapped), "strip or tile 1 of 2303 bytes instead of 2304"),
+        (raw_tiff(false, &[(259, &[7]), (262, &[6])], &[self::jpeg(&[])]), "TIFF samples: found YCbCr(8)"),
+    ] {
+        let error = photograph(&bytes, "tif", None).map(drop).expect_err(expected);
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
 /// An EXR of a data window in a display window, whose channels hold `value` of the channel and the place in the data window.
 fn exr_of(
     display: ([i32; 2], [usize; 2]),
@@ -561,14 +844,33 @@ fn the_only_colour_layer_of_an_exr_is_read() {
         (&["a.R", "a.G", "a.B", "R", "G", "B"], [4.0, 5.0, 6.0]),
         (&["Y"], [1.0; 3]),
         (&["A", "left.Y"], [2.0; 3]),
+        (&["a.Combined.R", "a.Combined.G", "a.Combined.B", "a.Diff.R", "a.Diff.G", "a.Diff.B"], [1.0, 2.0, 3.0]),
+        // Components of a normal are no luminance.
+        (&["a.R", "a.G", "a.B", "Normal.X", "Normal.Y", "Normal.Z"], [1.0, 2.0, 3.0]),
     ] {
         let image = read(channels).unwrap();
         assert!(image.pixels.iter().all(|pixel| *pixel == expected), "{channels:?} {:?}", image.pixels[0]);
     }
     let named = read(&["Z", "ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"]).unwrap();
     assert_eq!(named.conversions[1], "layer ViewLayer.Combined");
+    let of_two = read(&["a.Diff.R", "a.Diff.G", "a.Diff.B", "a.beauty.R", "a.beauty.G", "a.beauty.B"]).unwrap();
+    assert_eq!(of_two.conversions[1], "layer a.beauty, of 2 layers of colours");
+    let unnamed = read(&["a.R", "a.G", "a.B", "R", "G", "B"]).unwrap();
+    assert_eq!(unnamed.conversions[1], "layer without a name, of 2 layers of colours");
+    let both = read(&["a.RGBA.R", "a.RGBA.G", "a.RGBA.B", "b.RGBA.R", "b.RGBA.G", "b.RGBA.B"]).unwrap_err();
+    assert!(both.starts_with("EXR: found layers a.RGBA, b.RGBA, expected one layer of colours"), "{both}");
+    let heights = heights_from_exr(&exr_of(window, window, &["a.Combined.R", "b.R"], None, |_, _| 0.0)).unwrap_err();
+    assert_eq!(
+        heights.to_string(),
+        "EXR: found layers a.Combined, b, expected one layer of heights, or one without a name"
+    );
+    let next_to_normals = exr_of(window, window, &["N.X", "N.Y", "N.Z", "R"], None, |c, _| c as f32);
+    assert_eq!(heights_from_exr(&next_to_normals).unwrap().heights, [3.0; 16]);
     let two = read(&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"]).unwrap_err();
-    assert_eq!(two, "EXR: found layers a, b, expected one layer of colours, or one without a name");
+    assert_eq!(
+        two,
+        "EXR: found layers a, b, expected one layer of colours, or one without a name, or one named Combined, Beauty or RGBA"
+    );
     let none = read(&["U", "V"]).unwrap_err();
     assert_eq!(none, "EXR: found channels U, V, expected channels R, G and B, or Y");
     assert!(read(&["Y", "RY", "BY"]).unwrap_err().contains("found channels BY, RY, Y"));
@@ -582,7 +884,13 @@ fn chromaticities_of_an_exr_are_converted() {
     let aces = Chromaticities { red, green, blue, white };
     let exr = exr_of(window, window, &["R", "G", "B"], Some(aces), |c, [x, y]| [0.2, 1.5, 0.7][c] * (1 + x + y) as f32);
     let image = from_exr(&exr).unwrap();
-    assert_eq!(image.conversions[0], "chromaticities of EXR, converted to linear Rec. 709");
+    assert_eq!(
+        image.conversions,
+        [
+            "chromaticities of EXR, converted to linear Rec. 709",
+            "100.000 % of the pixels lie outside the gamut of Rec. 709 and were clipped"
+        ]
+    );
     for (at, pixel) in image.pixels.iter().enumerate() {
         let scale = (1 + at % 4 + at / 4) as f64;
         let expected = to_rec709([0.2, 1.5, 0.7].map(|v| v * scale), ACES_CG, ACES_WHITE);
@@ -620,7 +928,15 @@ fn headers_of_radiance_files_are_applied() {
     let primaries = "\nPRIMARIES=0.68 0.32 0.265 0.69 0.15 0.06 0.3127 0.329";
     assert!(close(first(primaries), to_rec709(plain, P3, D65).map(|v| v.max(0.0))));
     assert_eq!(read("\nEXPOSURE=4").unwrap().conversions, ["linear (Radiance)", "EXPOSURE 4 divided out"]);
-    for lines in ["\nEXPOSURE=0", "\nEXPOSURE=x", "\nCOLORCORR=1 2", "\nPRIMARIES=0 0 0 0 0 0 0 0", "\nGAMMA=-1"] {
+    // As ImageMagick and Photoshop write it.
+    let zeros = read("\nPRIMARIES=0 0 0 0 0 0 0 0").unwrap();
+    assert_eq!(
+        (zeros.pixels[0].map(f64::from), &zeros.conversions[..]),
+        (plain, &["linear (Radiance)".to_owned()][..])
+    );
+    let error = read("\nPRIMARIES=1 0 0 1 0 0 2 2").unwrap_err().to_string();
+    assert!(error.starts_with("primaries of Radiance PRIMARIES: found [[1.0, 0.0], "), "{error}");
+    for lines in ["\nPRIMARIES=0 0 0 0 0 0 0 1", "\nEXPOSURE=0", "\nEXPOSURE=x", "\nCOLORCORR=1 2", "\nGAMMA=-1"] {
         assert!(read(lines).is_err(), "{lines}");
     }
     let xyze = from_hdr(&hdr("#?RADIANCE\nFORMAT=32-bit_rle_xyze", "-Y 2 +X 3")).unwrap().pixels[0].map(f64::from);
