@@ -49,6 +49,9 @@ pub struct Arguments {
     /// Maximum mean relative error ε_r: a fraction or a percentage, 0.05 or 5%.
     #[arg(long, value_name = "E")]
     max_error: Option<Fraction>,
+    /// Scans: maximum error of the fit to the samples, estimated from held-out samples: a fraction or a percentage.
+    #[arg(long, value_name = "E")]
+    max_fit_error: Option<Fraction>,
     /// Scans: count the error against the fit to a scan as the error against the material.
     #[arg(long)]
     trust_fit: bool,
@@ -88,6 +91,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let (kind, target) = target(arguments)?;
     let limits = Budget::checked(arguments.max_delta_e, None, arguments.max_error, None, None).map_err(by_flags)?;
     let limits = ErrorLimits::from(&limits);
+    let checked =
+        |limit: Fraction| limit.checked().map_err(|allowed| Error::wrong_usage("--max-fit-error", limit, allowed));
+    let of_fit = FitLimits { error: arguments.max_fit_error.map(checked).transpose()?, trusted: arguments.trust_fit };
     let material = open_read(&arguments.input, arguments.reading)?;
     let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
@@ -101,9 +107,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     write_file(output, &converted.bytes)?;
     let (values, bytes_on_disk, comparison) = (converted.values, converted.bytes.len(), converted.comparison);
     let mut gates = check_output(limits, &comparison);
-    if limits != ErrorLimits::default() {
+    if limits != ErrorLimits::default() || of_fit.error.is_some() {
         let fit = fit_error(material.source(), material.source().directions(), &())?;
-        let of_fit = FitLimits { error: None, trusted: arguments.trust_fit };
         let of_source = check_report(of_fit, limits, fit, &comparison);
         // A black material fails both.
         let is_new = |result: &GateResult| gates.iter().all(|other| other.gate != result.gate);

@@ -3,12 +3,12 @@
 mod images;
 
 use super::output::{json_or, note, output_parser, print, print_report, refuse_flags, refuse_unfit_output, write_file};
+use super::reading::PhotographOptions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
-    CodeValues, DomainName, HoldOut, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe,
-    PwtReport, PwtTextureFacts, StackErrors, Target, ViewChoice, Wavelet, any_above_white, make, make_map,
-    recipe_of_map,
+    DomainName, HoldOut, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
+    PwtTextureFacts, StackErrors, Target, ViewChoice, Wavelet, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
 use brdfc_terminal::usage::share;
@@ -77,10 +77,8 @@ pub struct Arguments {
     /// View of a BTF, 0 to the number of views - 1, or all (default: 0).
     #[arg(long, alias = "views", value_name = "V|all", value_parser = view_choice, allow_hyphen_values = true)]
     view: Option<ViewChoice>,
-    /// Read the code values of photographs as linear or as sRGB, in spite of what the files state (default: as stated, or
-    /// else sRGB for integers and linear for floats).
-    #[arg(long, value_name = "ENCODING", value_parser = one_of(&CODE_VALUES))]
-    photographs: Option<CodeValues>,
+    #[command(flatten)]
+    reading: PhotographOptions,
     /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]
     tile: bool,
@@ -139,10 +137,6 @@ pub struct Arguments {
     #[arg(long)]
     no_supercompression: bool,
 }
-
-/// Meanings of code values.
-pub(super) const CODE_VALUES: [(&str, CodeValues, &str); 2] =
-    [("linear", CodeValues::Linear, "Proportional to light"), ("srgb", CodeValues::Srgb, "sRGB")];
 
 const MODELS: [(&str, MapModel, &str); 2] = [
     ("rgb", MapModel::Rgb, "One polynomial per channel"),
@@ -334,7 +328,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     arguments.images.check(output, inputs)?;
     refuse_flags("a pack", &[(!is_map && arguments.model.is_some(), "--model", "an output .ptm")])?;
     let start = Instant::now();
-    let input = LightInput::open_as(&arguments.input, arguments.view, arguments.photographs)?;
+    let input = LightInput::open_as(&arguments.input, arguments.view, arguments.reading.codes)?;
     let colour = input.colour().map(str::to_owned);
     let basis = input.basis();
     if matches!(input, LightInput::Pack(_)) && output.is_some() && !is_map {

@@ -1,9 +1,11 @@
 //! Settings of reading inputs on the command line.
 
 use super::Error;
+use super::output::refuse_flags;
 use brdfc::inspect::{is_scan, is_table};
+use brdfc::relight::CodeValues;
 use brdfc::{Input, Material, Reading, Smooth, open_with};
-use brdfc_terminal::values::any_whole_number;
+use brdfc_terminal::values::{any_whole_number, one_of};
 use clap::Args;
 use std::ffi::OsString;
 
@@ -26,6 +28,26 @@ pub struct ReadingOptions {
         allow_negative_numbers = true
     )]
     smooth: Option<Smooth>,
+}
+
+/// Setting of reading photographs and images of BTFs.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct PhotographOptions {
+    /// Photographs and BTF images: read the code values as linear or as sRGB, in spite of what the files state (default: as
+    /// stated, or else sRGB for integers and linear for floats).
+    #[arg(long = "photographs", value_name = "ENCODING", value_parser = one_of(&CODE_VALUES))]
+    pub codes: Option<CodeValues>,
+}
+
+/// Meanings of code values.
+const CODE_VALUES: [(&str, CodeValues, &str); 2] =
+    [("linear", CodeValues::Linear, "Proportional to light"), ("srgb", CodeValues::Srgb, "sRGB")];
+
+impl PhotographOptions {
+    /// Rejects the flag for inputs of other kinds.
+    pub fn refuse(self, what: &str) -> Result<(), Error> {
+        refuse_flags(what, &[(self.codes.is_some(), "--photographs", "RTI captures and folders of BTF images")])
+    }
 }
 
 impl From<ReadingOptions> for Reading {

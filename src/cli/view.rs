@@ -1,6 +1,7 @@
 //! `brdfc view`: writes a page that draws packs.
 
 use super::output::{note, print_report, refuse_unfit_output, remark, to_json, write_file};
+use super::reading::PhotographOptions;
 use super::steps::Steps;
 use super::{Common, Error};
 use crate::inputs::refuse_stdin_twice;
@@ -60,6 +61,8 @@ pub struct Arguments {
     /// Add the normals of the first RTI capture, or else of the first pack of 'brdfc pwt', as colours.
     #[arg(long)]
     normals: bool,
+    #[command(flatten)]
+    reading: PhotographOptions,
     /// Maximum bytes of the photographs of an RTI capture in the page: a number, optionally with KiB or MiB.
     #[arg(long, value_name = "BYTES", default_value = "8MiB", value_parser = bytes_from_text)]
     max_photographs: u64,
@@ -161,6 +164,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let options = ViewOptions {
         sources: !arguments.no_sources,
         normals: arguments.normals,
+        codes: arguments.reading.codes,
         photograph_bytes: arguments.max_photographs,
     };
     let items = open_items(&arguments.inputs, options, &steps)?;

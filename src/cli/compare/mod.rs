@@ -5,7 +5,7 @@ mod flat;
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
 use super::output::{json_or, note, print, refuse_flags, remark};
-use super::reading::{ReadingOptions, checked};
+use super::reading::{PhotographOptions, ReadingOptions, checked};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
@@ -58,6 +58,8 @@ pub struct Arguments {
     max_delta_e: Option<f64>,
     #[command(flatten)]
     reading: ReadingOptions,
+    #[command(flatten)]
+    images: PhotographOptions,
 }
 
 /// Report of `--json`.
@@ -139,6 +141,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     if let (Kind::Btf, Some(folder)) = (kind, arguments.a.path()) {
         return btf(arguments, folder, common);
     }
+    arguments.images.refuse(if kind == Kind::FlatBtf { "flat BTFs" } else { "reflectances" })?;
     if kind == Kind::FlatBtf {
         arguments.refuse_flags_of_reflectances("flat BTFs")?;
         let report = FlatReport::new(&arguments.a, &arguments.b)?;
@@ -207,7 +210,7 @@ fn print_compared(common: Common, compared: Compared, text: String) -> Result<()
 /// Compares photographs of an RTI capture with an approximation.
 fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
     arguments.refuse_flags_of_reflectances("an RTI capture")?;
-    let comparison = brdfc::compare::photographs(reference, &arguments.b)?;
+    let comparison = brdfc::compare::photographs(reference, &arguments.b, arguments.images.codes)?;
     let PhotographComparison { errors, photographs, notes } = &comparison;
     notes.iter().for_each(|line| note(common, &arguments.a, line));
     let (found, nothing) = (errors.delta_e, errors.nothing_shown());
@@ -228,7 +231,7 @@ fn photographs(arguments: &Arguments, reference: &Path, common: Common) -> Resul
 /// Compares a BTF with a pack of all its views.
 fn btf(arguments: &Arguments, reference: &Path, common: Common) -> Result<(), Error> {
     arguments.refuse_flags_of_reflectances("a BTF")?;
-    let comparison = brdfc::compare::btf(reference, &arguments.b)?;
+    let comparison = brdfc::compare::btf(reference, &arguments.b, arguments.images.codes)?;
     let BtfComparison { errors, views } = &comparison;
     let (found, nothing) = (errors.delta_e, errors.nothing_shown());
     let worst = views.iter().max_by(|a, b| a.delta_e.total_cmp(&b.delta_e));

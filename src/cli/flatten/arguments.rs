@@ -1,8 +1,8 @@
 //! Flags of `brdfc flatten`.
 
-use crate::pwt::CODE_VALUES;
+use crate::reading::PhotographOptions;
 use brdfc::Input;
-use brdfc::flatten::{CodeValues, FillMethod, Reflectance, StackFormat, describe_structures};
+use brdfc::flatten::{FillMethod, Reflectance, StackFormat, describe_structures};
 use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of, views_of_map, whole_number};
 use clap::Args;
 use std::ffi::OsString;
@@ -42,10 +42,8 @@ pub struct Arguments {
     /// four times (default: a structure blends its own, other surfaces are 'synth:lambert?kd=0.5').
     #[arg(long, value_name = "[NAME=]INPUT")]
     pub(super) material: Vec<OsString>,
-    /// Read the code values of BTF images as linear or as sRGB, in spite of what the files state (default: as stated, or
-    /// else sRGB for integers and linear for floats).
-    #[arg(long, value_name = "ENCODING", value_parser = one_of(&CODE_VALUES))]
-    pub(super) photographs: Option<CodeValues>,
+    #[command(flatten)]
+    pub(super) reading: PhotographOptions,
     /// Image over the tile that multiplies the reflectance (PNG or JPEG), in the colour that the file states, or else sRGB.
     #[arg(long, value_name = "IMAGE")]
     pub(super) colour: Option<Input>,

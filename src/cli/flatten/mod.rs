@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let options = meso_options(arguments, stack.is_some())?;
     check_outputs(arguments, &name)?;
     let steps = Steps::new(common, interrupt::watch()?);
-    let surface = Surface::open(&options, stack, arguments.photographs, &steps)?;
+    let surface = Surface::open(&options, stack, arguments.reading.codes, &steps)?;
     if let Values::Measured(stack) = &surface.values {
         (recipe.views, recipe.lights) = (stack.views().clone(), stack.lights().clone());
     }

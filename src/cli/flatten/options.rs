@@ -171,11 +171,12 @@ fn check_placement(arguments: &Arguments, is_stack: bool) -> Result<(), Error> {
         let flags = for_surfaces.map(|(given, flag)| (given, flag, "surfaces"));
         refuse_flags("an ordinary BTF", &flags)?;
         let is_file = arguments.meso.path().is_some_and(Path::is_file);
-        let given = is_file && arguments.photographs.is_some();
+        let given = is_file && arguments.reading.codes.is_some();
         refuse_flags("a .btf file", &[(given, "--photographs", "folders of images")])?;
     } else {
         let allowed = "ordinary BTFs (a folder of images or a .btf file)";
-        let flags = [(arguments.geometry.is_some(), "--geometry"), (arguments.photographs.is_some(), "--photographs")];
+        let flags =
+            [(arguments.geometry.is_some(), "--geometry"), (arguments.reading.codes.is_some(), "--photographs")];
         refuse_flags("surfaces", &flags.map(|(given, flag)| (given, flag, allowed)))?;
     }
     let brdf = arguments.reflectance == Reflectance::Brdf;

@@ -2,7 +2,7 @@
 
 use super::adaptive_options::AdaptiveOptions;
 use crate::options::PackOptions;
-use crate::reading::ReadingOptions;
+use crate::reading::{PhotographOptions, ReadingOptions};
 use brdfc::Input;
 use brdfc::render::{Builtin, Filter};
 use brdfc::scene::MAX_SAMPLES;
@@ -124,6 +124,8 @@ pub struct Arguments {
     pub(super) options: PackOptions,
     #[command(flatten, next_help_heading = "Reading of materials")]
     pub(super) reading: ReadingOptions,
+    #[command(flatten, next_help_heading = "Reading of photographs")]
+    pub(super) images: PhotographOptions,
 }
 
 const SCENES: [(&str, Builtin, &str); 10] = [

@@ -73,6 +73,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             _ => refuse_truth(arguments)?,
         }
     }
+    if !matches!(&asset, Some(Asset { kind: AssetKind::Pwt(_), .. }) if arguments.source.is_some()) {
+        arguments.images.refuse("renderings without photographs as the --source")?;
+    }
     if arguments.adaptive.adaptive {
         return adaptive::run(arguments, common);
     }

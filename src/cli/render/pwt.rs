@@ -7,6 +7,7 @@ use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{Common, Error};
 use brdfc::inspect::is_rti_capture;
+use brdfc::relight::CodeValues;
 use brdfc::render::{
     Builtin, DistantPhotographs, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification,
     Views, distant_light, draw_photographs, draw_pwt, draw_pwt_on_cpu, image_scene, nearest_photograph,
@@ -34,7 +35,8 @@ pub(super) fn verification(
     };
     let start = scene::Start { builtin: Builtin::Plane, size: size.map(side), scene: &of_builtin };
     let mut setup = scene::setup_from(arguments, subject, &start)?;
-    let stack = arguments.source.as_ref().map(|source| open_capture(source, size)).transpose()?;
+    let stack =
+        arguments.source.as_ref().map(|source| open_capture(source, size, arguments.images.codes)).transpose()?;
     if let (Some(stack), Some(source)) = (&stack, &arguments.source) {
         stack.notes().iter().for_each(|line| note(common, source, line));
     }
@@ -73,7 +75,7 @@ pub(super) fn verification(
 }
 
 /// Opens the photographs to compare a pack with.
-fn open_capture(source: &Input, size: [usize; 2]) -> Result<DistantPhotographs, Error> {
+fn open_capture(source: &Input, size: [usize; 2], codes: Option<CodeValues>) -> Result<DistantPhotographs, Error> {
     let Some(path) = source.path() else {
         let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
@@ -82,7 +84,7 @@ fn open_capture(source: &Input, size: [usize; 2]) -> Result<DistantPhotographs, 
         let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
         return Err(Error::usage(text));
     }
-    let photographs = DistantPhotographs::open(path)?;
+    let photographs = DistantPhotographs::open(path, codes)?;
     let found = photographs.capture().size();
     if found != size {
         let [found, expected] = [found, size].map(|[width, height]| format!("{width} x {height} pixels"));

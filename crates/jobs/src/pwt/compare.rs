@@ -9,6 +9,7 @@ use brdfc_pwt::measure::{PhotographSums, StackErrors, photograph_sums};
 use brdfc_pwt::ptm::image_rows;
 use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::pack::open_pack;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
 use brdfc_source::viewer_file::open_viewer_file;
 use brdfc_source::{Input, InputError};
@@ -56,14 +57,18 @@ enum Compared {
 }
 
 /// Measures a pack, a polynomial texture map or another RTI capture against the photographs of an RTI capture, as sRGB levels
-/// and by ΔE (CIE76).
+/// and by ΔE (CIE76). `codes` is the meaning of the code values of photographs in spite of what they state.
 ///
 /// # Errors
 /// Returns an error if an input cannot be read, is of another kind or size, or is a capture under other lights.
-pub fn compare_photographs(reference: &Path, input: &Input) -> Result<PhotographComparison, Error> {
-    let photographs = DistantPhotographs::open(reference)?;
+pub fn compare_photographs(
+    reference: &Path,
+    input: &Input,
+    codes: Option<CodeValues>,
+) -> Result<PhotographComparison, Error> {
+    let photographs = DistantPhotographs::open(reference, codes)?;
     let stack = photographs.capture();
-    let shown = Compared::open(input, stack)?;
+    let shown = Compared::open(input, stack, codes)?;
     let width = stack.size()[0];
     let of_light = |light: usize| -> Result<PhotographSums, InputError> {
         let reference = photographs.image(light)?.pixels;
@@ -89,7 +94,7 @@ pub fn compare_photographs(reference: &Path, input: &Input) -> Result<Photograph
 }
 
 impl Compared {
-    fn open(input: &Input, reference: &RtiCapture) -> Result<Self, Error> {
+    fn open(input: &Input, reference: &RtiCapture, codes: Option<CodeValues>) -> Result<Self, Error> {
         let shown = match input.extension()?.as_str() {
             "ktx2" => match open_pack(input)? {
                 Pack::Pwt(pack) if pack.header().view_count() > 1 => {
@@ -101,7 +106,7 @@ impl Compared {
             },
             _ => match (open_viewer_file(input)?, input.path().filter(|path| is_rti_capture(path))) {
                 (Some(map), _) => Self::Map(map),
-                (None, Some(path)) => Self::Stack(Box::new(DistantPhotographs::open(path)?)),
+                (None, Some(path)) => Self::Stack(Box::new(DistantPhotographs::open(path, codes)?)),
                 (None, None) => {
                     return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")));
                 }

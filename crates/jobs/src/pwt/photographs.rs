@@ -4,6 +4,7 @@ use super::input::{near_note, samples_of_capture};
 use crate::error::Error;
 use brdfc_pwt::LightSamples;
 use brdfc_source::InputError;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::photograph::Image;
 use brdfc_source::rti_capture::RtiCapture;
 use std::path::Path;
@@ -17,12 +18,13 @@ pub struct DistantPhotographs {
 }
 
 impl DistantPhotographs {
-    /// Opens an `.lp` file, or a folder that has exactly one. Reads no pixels, unless lights are near.
+    /// Opens an `.lp` file, or a folder that has exactly one. Reads no pixels, unless lights are near. `codes` is the meaning of code
+    /// values in spite of what the files state.
     ///
     /// # Errors
-    /// Returns the errors of [`RtiCapture::open`], and for near lights those of the photographs and of their conversion.
-    pub fn open(path: &Path) -> Result<Self, Error> {
-        let capture = RtiCapture::open(path)?;
+    /// Returns the errors of [`RtiCapture::open_as`], and for near lights those of the photographs and of their conversion.
+    pub fn open(path: &Path, codes: Option<CodeValues>) -> Result<Self, Error> {
+        let capture = RtiCapture::open_as(path, codes)?;
         let notes = capture.notes().iter().cloned().chain(near_note(&capture)).collect();
         let converted = capture.near().is_some().then(|| converted(&capture, path)).transpose()?;
         Ok(Self { capture, converted, notes })

@@ -11,6 +11,7 @@ use brdfc_pwt::{LightSamples, Views};
 use brdfc_source::flat_btf::flat_view as decoded_view;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::pack::open_pack;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 use std::path::Path;
@@ -106,12 +107,13 @@ pub(super) fn all_flat_views(path: &Path, file: &FlatBtfFile) -> Result<LightSam
 }
 
 /// Measures a pack of several views against all images of an ordinary BTF, as sRGB levels and by ΔE (CIE76). Reads one image at a
-/// time for each thread; the memory is that of the decoded images of one view.
+/// time for each thread; the memory is that of the decoded images of one view. `codes` is the meaning of the code values of images in
+/// spite of what they state.
 ///
 /// # Errors
 /// Returns an error if an input cannot be read or is of another kind or size.
-pub fn compare_btf(reference: &Path, input: &Input) -> Result<BtfComparison, Error> {
-    let btf = OrdinaryBtf::open(reference)?;
+pub fn compare_btf(reference: &Path, input: &Input, codes: Option<CodeValues>) -> Result<BtfComparison, Error> {
+    let btf = OrdinaryBtf::open_as(reference, codes)?;
     let decoder = match open_pack(input)? {
         Pack::Pwt(pack) if pack.header().view_count() > 1 => PwtDecoder::new(pack),
         Pack::Pwt(_) => return Err(refused(input, "views", "1", "2 or more, as of 'brdfc pwt --view all'")),

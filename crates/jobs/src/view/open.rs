@@ -16,6 +16,7 @@ use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::rti_capture::is_rti_capture;
 use brdfc_source::{Input, InputError};
 use brdfc_table::encode::encode;
@@ -55,13 +56,15 @@ pub struct ViewOptions {
     pub sources: bool,
     /// True to add the normals of the first RTI capture, or else of the first pack of `brdfc pwt`.
     pub normals: bool,
+    /// Meaning of the code values of photographs in spite of what they state.
+    pub codes: Option<CodeValues>,
     /// Maximum bytes of the photographs of each RTI capture in the page.
     pub photograph_bytes: u64,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        Self { sources: true, normals: false, photograph_bytes: 8 << 20 }
+        Self { sources: true, normals: false, codes: None, photograph_bytes: 8 << 20 }
     }
 }
 
@@ -88,12 +91,16 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
             items.push(item);
         }
     }
+    if options.codes.is_some() && capture.is_none() {
+        return Err(Error::usage("--photographs: found no RTI capture, expected one"));
+    }
     if options.normals {
         let Some(input) = capture.or(pack) else {
             return Err(Error::usage("--normals: found no RTI capture and no pack of 'brdfc pwt', expected one"));
         };
+        let codes = options.codes.filter(|_| capture.is_some());
         let name = unique_name(&items, format!("{}, normals", input.short_name()));
-        items.push(of_photographs(name, Photographs::normals(input)?));
+        items.push(of_photographs(name, Photographs::normals(input, codes)?));
     }
     Ok(items)
 }
@@ -128,7 +135,7 @@ fn of_input(input: &Input, options: ViewOptions, progress: &dyn Progress) -> Res
             return of_flat_btf(name, path);
         }
         if is_rti_capture(path) {
-            let them = Photographs::of_capture(path, options.photograph_bytes, progress)?;
+            let them = Photographs::of_capture(path, options.codes, options.photograph_bytes, progress)?;
             return Ok(of_photographs(name, them));
         }
         if path.is_dir() {

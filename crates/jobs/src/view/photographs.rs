@@ -5,6 +5,7 @@ use crate::pwt::{DistantPhotographs, LightInput, jpeg, make_surface};
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
 use brdfc_readers::colour::encode_srgb_byte;
+use brdfc_source::photograph::CodeValues;
 use brdfc_source::{Input, InputError};
 use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, Rgb};
@@ -56,8 +57,13 @@ impl Photographs {
     ///
     /// # Errors
     /// Returns an error if a file is missing or invalid, not even one photograph is within the limit, or if cancelled.
-    pub fn of_capture(path: &Path, limit: u64, progress: &dyn Progress) -> Result<Self, Error> {
-        let photographs = DistantPhotographs::open(path)?;
+    pub fn of_capture(
+        path: &Path,
+        codes: Option<CodeValues>,
+        limit: u64,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let photographs = DistantPhotographs::open(path, codes)?;
         let capture = photographs.capture();
         let full_size = capture.size();
         let order = spread(capture.lights());
@@ -98,8 +104,8 @@ impl Photographs {
     ///
     /// # Errors
     /// Returns an error if the input is invalid, or if its lights do not determine normals.
-    pub fn normals(input: &Input) -> Result<Self, Error> {
-        let (maps, _) = make_surface(&LightInput::open(input, None)?.into_samples())?;
+    pub fn normals(input: &Input, codes: Option<CodeValues>) -> Result<Self, Error> {
+        let (maps, _) = make_surface(&LightInput::open_as(input, None, codes)?.into_samples())?;
         let [width, height] = maps.size.map(|side| side as u32);
         let size = within(maps.size, MAX_SIDE);
         let levels = ImageBuffer::<Rgb<u8>, _>::from_raw(width, height, maps.normal_levels()).expect("three per pixel");

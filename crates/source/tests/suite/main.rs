@@ -9,6 +9,7 @@ mod large_files;
 mod mirror_azimuth;
 mod noisy_scans;
 mod noisy_tables;
+mod public_reports;
 mod rgl_corrupt;
 mod rgl_oracle;
 mod rgl_synthetic;

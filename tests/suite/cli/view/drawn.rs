@@ -203,7 +203,7 @@ fn first_renderings() {
     let folder = Folder::new();
     folder.run(&["encode", "synth:ggx?alpha=0.3", "-o", "table.ktx2"]).succeeded();
     folder.run(&["flatten", "synth:button", "-o", "button"]).succeeded();
-    for (input, scenes) in [("table.ktx2", &["sphere"][..]), ("button", &["plane", "vase", "bottle"])] {
+    for (input, scenes) in [("table.ktx2", &["sphere"][..]), ("button", &["plane", "teapot"])] {
         folder.run(&["view", input, "-o", "view.html"]).succeeded();
         let speed = |scene: &&str| {
             json!(format!("await brdfcView.set({{ scene: '{scene}' }}); return [await brdfcView.speed(10)];"))
