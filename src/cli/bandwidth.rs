@@ -1,7 +1,7 @@
 //! `brdfc bandwidth`: bandwidth maps of materials, environments and textures.
 
 use super::output::{
-    json_or, note, note_directions, note_repairs, output_parser, print, print_report, refuse_unfit_output, write_file,
+    json_or, note, note_coverage, note_repairs, output_parser, print, print_report, refuse_unfit_output, write_file,
 };
 use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
@@ -203,7 +203,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let start = Instant::now();
     let subject = Subject::open(&arguments.input, recipe)?;
     if let Subject::Material(material, _) = &subject {
-        note_directions(common, &arguments.input, material.source());
+        note_coverage(common, &arguments.input, material.source());
     }
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();

@@ -1,7 +1,7 @@
 //! `brdfc eval`: evaluates a source at given direction pairs.
 
 use super::inputs::refuse_stdin_twice;
-use super::output::{as_flag, note_directions, note_repairs, output_parser, print, refuse_unfit_output, write_file};
+use super::output::{as_flag, note_coverage, note_repairs, output_parser, print, refuse_unfit_output, write_file};
 use super::reading::{ReadingOptions, checked};
 use super::{Common, Error};
 use brdfc::evaluate::{Body, Relightable, check_level, open_level, pairs_from_csv, texels_from_bytes, values_at};
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     // First the input: its kind decides about the columns.
     let material = open_level(&arguments.input, reading).map_err(as_flag)?;
     let pairs = pairs_from_csv(directions, &bytes)?;
-    note_directions(common, &arguments.input, material.source());
+    note_coverage(common, &arguments.input, material.source());
     let (values, repairs) = values_at(material.source(), &pairs);
     note_repairs(common, &arguments.input, &repairs);
     write(arguments, &bytes, VALUES, values.iter())

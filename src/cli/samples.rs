@@ -2,7 +2,7 @@
 
 use super::info::{importance_lines, lines_of};
 use super::output::{
-    json_or, note_directions, note_repairs, output_parser, print_report, refuse_unfit_output, write_file,
+    json_or, note_coverage, note_repairs, output_parser, print_report, refuse_unfit_output, write_file,
 };
 use super::reading::{ReadingOptions, open_read};
 use super::{Common, Error};
@@ -148,7 +148,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let start = Instant::now();
     let material = open_read(&arguments.input, arguments.reading)?;
     let source = material.source();
-    note_directions(common, &arguments.input, source);
+    note_coverage(common, &arguments.input, source);
     let read = start.elapsed().as_secs_f64();
     let isotropic = source.symmetry().isotropic;
     if arguments.azimuths.is_some() && isotropic {

@@ -26,6 +26,11 @@ pub trait Describe {
         0
     }
 
+    /// Number of rows that are 0 in all channels.
+    fn rows_zero(&self) -> u64 {
+        0
+    }
+
     /// Rows of a scan whose azimuth of incidence differs from the azimuth of the other rows.
     fn stray_rows(&self) -> Option<StrayRows> {
         None

@@ -77,13 +77,15 @@ pub struct Repeats {
     pub largest: f64,
 }
 
-/// Rise of the samples towards the mirror direction, at the polar angle of incidence where samples determine a
-/// highlight least. The diffuse part is subtracted from the values, which are multiplied by both cosines.
+/// Rise of the samples towards the mirror direction or back to the light, at the polar angle of incidence where samples determine
+/// the peak there least. The diffuse part is subtracted from the values, which are multiplied by both cosines.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Rise {
+    /// Direction of the peak.
+    pub peak_at: PeakAt,
     /// Polar angle of incidence, degrees, a multiple of 5.
     pub incidence: f64,
-    /// Root mean square half angle of the group of samples nearest to the mirror direction, degrees.
+    /// Root mean square half angle of the group of samples nearest to the direction of the peak, degrees.
     pub nearest: f64,
     /// Root mean square half angle of the next group of samples, degrees.
     pub next: f64,
@@ -91,6 +93,16 @@ pub struct Rise {
     pub ratio: f64,
     /// Peak of a GGX lobe through both means, over the mean value of the nearest group; at most 100.
     pub peak: f64,
+}
+
+/// Direction of a peak.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PeakAt {
+    /// The mirror direction: a highlight.
+    Mirror,
+    /// Back to the light: retroreflection.
+    Viewer,
 }
 
 /// Maximum peak over the nearest samples of a highlight that samples determine.
@@ -114,6 +126,6 @@ pub trait Completion: Sync {
     /// Repeated samples; `None` without any.
     fn repeats(&self) -> Option<Repeats>;
 
-    /// Rise of the samples towards the mirror direction; `None` if too few are near it.
+    /// Rise of the samples towards the mirror direction or back to the light; `None` if too few are near them.
     fn rise(&self) -> Option<Rise>;
 }

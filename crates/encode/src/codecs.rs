@@ -170,6 +170,10 @@ impl Describe for PackFacts {
         self.of_codec().rows_raised()
     }
 
+    fn rows_zero(&self) -> u64 {
+        self.of_codec().rows_zero()
+    }
+
     fn stray_rows(&self) -> Option<StrayRows> {
         self.of_codec().stray_rows()
     }

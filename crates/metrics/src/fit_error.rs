@@ -5,7 +5,7 @@ use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
 use super::sampling::PairSet;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, Repeats, Rise};
+use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, PeakAt, Repeats, Rise};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
@@ -140,16 +140,26 @@ impl FitError {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         };
-        let tested: Vec<DirectionPair> = PairSet::within(directions).pairs.iter().copied().step_by(COARSE).collect();
         Ok(Self {
             samples: samples.map(|(error, _)| error),
             incidences: incidences.map(|(error, _)| error),
             delta_e,
-            ball: Gaps::of(completion, &pairs),
+            ..Self::without_validation(completion, directions)
+        })
+    }
+
+    /// The parts that follow from the directions and values of the samples alone.
+    fn without_validation(completion: &dyn Completion, directions: DirectionRange) -> Self {
+        let tested: Vec<DirectionPair> = PairSet::within(directions).pairs.iter().copied().step_by(COARSE).collect();
+        Self {
+            samples: None,
+            incidences: None,
+            delta_e: None,
+            ball: Gaps::of(completion, &coarse_rendering_pairs(directions)),
             test_directions: Gaps::of(completion, &tested),
             repeats: completion.repeats(),
             rise: completion.rise(),
-        })
+        }
     }
 
     /// The larger of both `ε_r`; absent without cross-validation.
@@ -181,9 +191,13 @@ impl FitError {
         }
         if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {
             let Rise { incidence, nearest, next, ratio, .. } = rise;
+            let (what, place) = match rise.peak_at {
+                PeakAt::Mirror => ("highlight", "mirror direction"),
+                PeakAt::Viewer => ("retroreflection", "direction back to the light"),
+            };
             return Some(format!(
-                "the highlight is narrower than the samples resolve: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
-                 to {nearest:.1}° off the mirror direction (half angles), and no sample is nearer"
+                "the {what} is narrower than the samples resolve: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
+                 to {nearest:.1}° off the {place} (half angles), and no sample is nearer"
             ));
         }
         self.delta_e.is_none().then(|| "too few samples to hold any out".to_owned())
@@ -197,6 +211,15 @@ impl FitError {
             || self.delta_e.filter(weaker).map(|fit| format!("about ΔE {fit:.2} of the fit, {pack:.2} of the pack"));
         self.gaps().or_else(of_fit).or_else(|| self.extrapolation())
     }
+}
+
+/// Reason why samples do not determine a source at all directions, without cross-validation; `None` if they do, or if the source is
+/// not completed from samples.
+pub fn undetermined(source: &dyn Source, directions: DirectionRange) -> Option<String> {
+    let fit = FitError::without_validation(source.completion()?, directions);
+    // Not validated is not too few.
+    let fit = FitError { delta_e: Some(0.0), ..fit };
+    fit.gaps().or_else(|| fit.extrapolation())
 }
 
 /// Estimates the mean ΔE that gaps between incidences cost, from the difference that holding out each incidence makes.

@@ -138,6 +138,8 @@ pub(crate) struct Table<'a> {
     skipped: u64,
     /// True if numbers may have a decimal comma, which is the case if the delimiter is a semicolon or a tab.
     has_commas: bool,
+    /// True once a number with a decimal point, or with a decimal comma, was read.
+    marks: [bool; 2],
 }
 
 /// Bytes of a table, in portions of the longest record: a quoted field could be as long as the file.
@@ -172,7 +174,7 @@ impl<'a> Table<'a> {
         if header.is_empty() {
             return Err(FormatError::whole("header", "empty file", "a line of column names").problem());
         }
-        Ok(Self { reader, header, skipped, has_commas: delimiter != b',' })
+        Ok(Self { reader, header, skipped, has_commas: delimiter != b',', marks: [false; 2] })
     }
 
     /// Index in the file of each requested column.
@@ -219,7 +221,16 @@ impl<'a> Table<'a> {
             .iter()
             .map(|(index, name)| {
                 let text = record.get(*index).unwrap_or("");
-                if self.has_commas { number(&text.replacen(',', ".", 1), line, name) } else { number(text, line, name) }
+                if !self.has_commas {
+                    return number(text, line, name);
+                }
+                self.marks = [self.marks[0] || text.contains('.'), self.marks[1] || text.contains(',')];
+                if self.marks == [true; 2] {
+                    let found = format!("{} in a file with the other decimal mark", scan::quoted(text));
+                    let allowed = "decimal points or decimal commas, and no separators of thousands";
+                    return Err(FormatError::at_line(line, (*name).to_owned(), found, allowed).problem());
+                }
+                number(&text.replacen(',', ".", 1), line, name)
             })
             .collect::<Result<_, _>>()?;
         Ok(Some((line, numbers)))

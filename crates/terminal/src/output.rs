@@ -11,6 +11,7 @@ pub use brdfc_jobs::outputs::{
 use brdfc_jobs::report::material::repairs_summary;
 pub use brdfc_jobs::write::folder_of;
 use brdfc_jobs::write::is_standard_output;
+use brdfc_metrics::fit_error::undetermined;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 use std::ffi::OsStr;
@@ -157,9 +158,12 @@ pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
 }
 
-/// Prints the directions of a source that does not cover all directions.
-pub fn note_directions(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
+/// Prints the directions of a source that does not cover all directions, and why the rows of a scan do not determine its material.
+pub fn note_coverage(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
     let directions = source.directions();
+    if let Some(why) = undetermined(source, directions) {
+        note(common, input, &format!("the scan does not determine the material: {why}"));
+    }
     if !directions.is_all() {
         note(common, input, &format!("the pack covers {directions}; other directions use the nearest covered one"));
     }

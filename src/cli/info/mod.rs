@@ -4,7 +4,7 @@ mod files;
 
 pub use files::FilesReport;
 
-use super::output::{json_or, print, print_json, printable};
+use super::output::{json_or, note_coverage, print, print_json, printable};
 use super::reading::{ReadingOptions, checked};
 use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
@@ -142,7 +142,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     }
     let contents = match contents {
         Some(contents) => contents,
-        None => reflectance(open(input, reading).map_err(with_structures)?),
+        None => {
+            let opened = open(input, reading).map_err(with_structures)?;
+            note_coverage(common, input, opened.source.as_ref());
+            reflectance(opened)
+        }
     };
     let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
     let mut lines = contents_lines(&contents);

@@ -5,7 +5,7 @@ use super::asset::name_of;
 use super::light::{Light, Lit, fitted};
 use super::materials::{Subject, pack_flag};
 use super::{gpu, outputs, scene};
-use crate::output;
+use crate::output::{self, note_coverage};
 use crate::reading::open_read;
 use crate::{Common, Error};
 use brdfc::lobes::{LobesPack, LobesRecipe};
@@ -37,6 +37,9 @@ pub(super) fn verification(
             return Err(Error::usage(format!("{input}: --source needs a pack of lobes; a material is its own source")));
         }
     };
+    if let Some(material) = &source {
+        note_coverage(common, arguments.source.as_ref().unwrap_or(input), material.source());
+    }
     let name = name_of(input);
     let materials = [Lit { name: &name, lobes: Some(&pack), source: source.as_ref().map(Material::source) }];
     let of_parts = vec![0; setup.scene.parts.len()];

@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::encode::{PackRecipe, encode};
     use crate::report::material::MaterialReport;
-    use brdfc_core::source::Rise;
+    use brdfc_core::source::{PeakAt, Rise};
     use brdfc_metrics::fit_error::Gaps;
     use brdfc_source::open::open;
 
@@ -262,7 +262,8 @@ mod tests {
 
     #[test]
     fn gaps_and_contradictions_fail_at_any_limit() {
-        let rise = |ratio, peak| Some(Rise { incidence: 60.0, nearest: 4.0, next: 8.0, ratio, peak });
+        let rise =
+            |ratio, peak| Some(Rise { peak_at: PeakAt::Mirror, incidence: 60.0, nearest: 4.0, next: 8.0, ratio, peak });
         let gaps = |uncovered| Gaps { farthest: 40.0, uncovered };
         let repeats = |share, spread| Some(Repeats { pairs: 9, share, spread, largest: spread });
         for (fit, fails) in [

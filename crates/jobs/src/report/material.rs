@@ -48,6 +48,8 @@ pub struct MaterialReport {
     pub fit: Option<FitError>,
     /// Rows of the input with a negative channel, which was raised to 0.
     pub rows_raised: u64,
+    /// Rows of the input that are 0 in all channels.
+    pub rows_zero: u64,
     /// Rows of a scan whose azimuth of incidence differs from the others, if any.
     pub stray_rows: Option<StrayRows>,
     /// First and last wavelength, nm, of spectra that lack a part of the visible range which colours depend on.
@@ -79,6 +81,7 @@ impl MaterialReport {
             samples_in: input.samples(),
             fit: source.completion().map(measure).transpose()?,
             rows_raised: input.rows_raised(),
+            rows_zero: input.rows_zero(),
             stray_rows: input.stray_rows(),
             partial_spectrum: input.partial_spectrum(),
             evaluated: encoded.evaluated,
@@ -118,6 +121,9 @@ const ENERGY: f64 = 1.1;
 /// Albedos outside this range suggest values in another unit. The blackest coatings reflect a few ten-thousandths.
 const USUAL_ALBEDO: [f64; 2] = [1e-4, 10.0];
 
+/// Share of rows of zeros above which they are reported.
+const MANY_ZERO_ROWS: f64 = 0.05;
+
 /// Hint for albedos outside the usual range.
 const UNITS: &str = "; check the unit of its values, which is 1/sr";
 
@@ -128,6 +134,14 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         let share = 100.0 * report.rows_raised as f64 / report.samples_in.max(1) as f64;
         let (raised, all) = (report.rows_raised, report.samples_in);
         lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
+    }
+    let zero = report.rows_zero as f64 / report.samples_in.max(1) as f64;
+    if zero > MANY_ZERO_ROWS {
+        let (rows, all) = (report.rows_zero, report.samples_in);
+        lines.push(format!(
+            "{rows} of {all} rows ({:.1} %) are 0 in all channels, which counts as measured; leave out rows that were not",
+            100.0 * zero
+        ));
     }
     lines.extend(report.stray_rows.map(|strays| strays.summary()));
     lines.extend(report.partial_spectrum.map(|[first, last]| {

@@ -91,6 +91,10 @@ impl Describe for ScanFacts {
         self.summary.negative as u64
     }
 
+    fn rows_zero(&self) -> u64 {
+        self.summary.zero as u64
+    }
+
     fn stray_rows(&self) -> Option<StrayRows> {
         self.summary.strays
     }

@@ -1,7 +1,7 @@
 //! Cross-validation of scans: scans without some of their rows, and the distance of a direction pair from the rows.
 
 use super::merge::rounded;
-use super::rise::{polar, rise_to_mirror};
+use super::rise::{polar, rise_to_peaks};
 use super::strength::Strength;
 use super::{Points, ScanSource, Tree};
 use crate::scan::coordinates::{Anisotropic, Isotropic, Space};
@@ -121,7 +121,7 @@ impl Completion for ScanSource {
 
     fn rise(&self) -> Option<Rise> {
         let luminance = |value: &[f64; 3]| value.iter().map(|v| (v.exp() - self.bias).max(0.0)).sum::<f64>();
-        rise_to_mirror(self.pairs.iter().copied().zip(self.measured.iter().map(luminance)))
+        rise_to_peaks(self.pairs.iter().copied().zip(self.measured.iter().map(luminance)))
     }
 }
 

@@ -4,8 +4,9 @@
 use brdfc_readers::scan::Row;
 use std::f64::consts::TAU;
 
-/// Azimuths closer than this are equal, radians. Also the polar angle below which the azimuth is undefined.
-const SAME_AZIMUTH: f64 = 1e-4;
+/// Azimuths closer than this are equal, radians: 0.3 degrees, more than goniometers are off or files are rounded. Also the polar angle
+/// below which the azimuth is undefined.
+const SAME_AZIMUTH: f64 = 5e-3;
 /// Largest share of rows with an azimuth that may differ from the common one; a single row always may.
 const STRAY_SHARE: f64 = 0.05;
 

@@ -1,6 +1,6 @@
-//! The rise of rows towards the mirror direction: whether they determine the highlight.
+//! The rise of rows towards the mirror direction and back to the light: whether they determine highlight and retroreflection.
 
-use brdfc_core::source::{MAX_PEAK, MAX_RISE, Rise};
+use brdfc_core::source::{MAX_PEAK, MAX_RISE, PeakAt, Rise};
 use brdfc_formats::direction::{DirectionPair, Vector};
 use std::collections::BTreeMap;
 
@@ -8,6 +8,11 @@ use std::collections::BTreeMap;
 const STEP: f64 = 5.0;
 /// Maximum polar angle of incidence of these groups, degrees; viewers may be 15 degrees lower.
 const MAX_INCIDENCE: f64 = 62.5;
+/// Minimum polar angle of incidence of groups near the light, degrees: the highlight is nearer to it at others.
+const MIN_INCIDENCE_OF_RETRO: f64 = 15.0;
+/// Maximum half angle between light and viewer of the rows nearest to the light, degrees. Farther rows, as of goniometers whose detector
+/// would block the light, say nothing about a peak.
+const MAX_NEAREST_OF_RETRO: f64 = 5.0;
 /// Minimum number of rows of such a group.
 const MIN_ROWS: usize = 8;
 
@@ -16,27 +21,37 @@ pub(super) fn polar([x, y, z]: Vector) -> f64 {
     x.hypot(y).atan2(z)
 }
 
-/// Compares the rows nearest to the mirror direction with the next ones at each polar angle of incidence, in steps of
-/// [`STEP`] degrees. Returns the angle at which the rows determine the peak least.
-pub(super) fn rise_to_mirror(rows: impl Iterator<Item = (DirectionPair, f64)>) -> Option<Rise> {
-    // Half angle in degrees and reflected light of the rows of each group.
-    let mut groups: BTreeMap<i32, Vec<(f64, f64)>> = BTreeMap::new();
+/// Compares the rows nearest to the mirror direction, and those nearest to the light, with the next ones at each polar angle of
+/// incidence, in steps of [`STEP`] degrees. Returns the angle at which the rows determine the peak least.
+pub(super) fn rise_to_peaks(rows: impl Iterator<Item = (DirectionPair, f64)>) -> Option<Rise> {
+    // Half angle in degrees from the peak, and reflected light, of the rows of each group.
+    let mut groups: BTreeMap<(bool, i32), Vec<(f64, f64)>> = BTreeMap::new();
     for (pair, value) in rows {
         let half = [0, 1, 2].map(|k| pair.incoming[k] + pair.outgoing[k]);
-        let [incidence, view, half] = [pair.incoming, pair.outgoing, half].map(|v| polar(v).to_degrees());
+        let across = [0, 1, 2].map(|k| pair.incoming[k] - pair.outgoing[k]);
+        let length = |v: Vector| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let [incidence, view, to_mirror] = [pair.incoming, pair.outgoing, half].map(|v| polar(v).to_degrees());
+        let to_light = length(across).atan2(length(half)).to_degrees();
         if incidence <= MAX_INCIDENCE && view <= MAX_INCIDENCE + 15.0 {
             let reflected = value * pair.incoming[2] * pair.outgoing[2];
-            groups.entry((incidence / STEP).round() as i32).or_default().push((half, reflected));
+            let group = (incidence / STEP).round() as i32;
+            groups.entry((false, group)).or_default().push((to_mirror, reflected));
+            if incidence >= MIN_INCIDENCE_OF_RETRO && to_light < to_mirror {
+                groups.entry((true, group)).or_default().push((to_light, reflected));
+            }
         }
     }
-    let rises = groups.into_iter().filter_map(|(group, rows)| rise(f64::from(group) * STEP, rows));
+    let rises = groups.into_iter().filter_map(|((is_retro, group), rows)| {
+        let peak_at = if is_retro { PeakAt::Viewer } else { PeakAt::Mirror };
+        let found = Rise { peak_at, ..rise(f64::from(group) * STEP, rows)? };
+        (!is_retro || found.nearest <= MAX_NEAREST_OF_RETRO).then_some(found)
+    });
     // The larger of both excesses.
     let unknown = |rise: &Rise| (rise.peak / MAX_PEAK).max(rise.ratio / MAX_RISE);
     rises.max_by(|a, b| unknown(a).total_cmp(&unknown(b)))
 }
 
-/// Compares the rows of one incidence (half angle in degrees, reflected light) nearest to the mirror direction with the next
-/// ones. Returns `None` if there are few rows or no highlight.
+/// Compares the rows of one incidence (half angle in degrees, reflected light) nearest to the peak with the next ones. Returns `None` if there are few rows or no highlight.
 fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
     if rows.len() < MIN_ROWS {
         return None;
@@ -65,7 +80,7 @@ fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
     // D(θ) ∝ 1 / (1 + x)² with x ∝ θ²: x at the nearest, from the ratio and that of the squared angles.
     let (steps, root) = ((next / nearest.max(1e-6)).powi(2), ratio.sqrt());
     let x = if root < steps { ((root - 1.0) / (steps - root)).min(9.0) } else { 9.0 };
-    Some(Rise { incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
+    Some(Rise { peak_at: PeakAt::Mirror, incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
 }
 
 #[cfg(test)]
@@ -94,6 +109,27 @@ mod tests {
             let found = rise(30.0, rows(width, first, 3.0)).unwrap();
             assert_eq!(found.peak <= MAX_PEAK && found.ratio <= MAX_RISE, determined, "{width} {first}: {found:?}");
         }
+    }
+
+    /// A retroreflective lobe of 2 degrees on rows that are 5 degrees apart, and a wide one.
+    #[test]
+    fn narrow_retroreflection_is_not_determined() {
+        let rows = |width: f64| {
+            let steps = || (0..13).map(|k| 0.01 + 5f64.to_radians() * f64::from(k));
+            let pairs = steps().flat_map(move |theta_i| {
+                steps().flat_map(move |theta_o| {
+                    (0..24).map(move |k| DirectionPair::from_angles(theta_i, 0.0, theta_o, 0.02 + 0.262 * f64::from(k)))
+                })
+            });
+            pairs.map(move |pair| {
+                let cosine: f64 = (0..3).map(|k| pair.incoming[k] * pair.outgoing[k]).sum();
+                (pair, 0.05 + 20.0 * (-(cosine.clamp(-1.0, 1.0).acos().to_degrees() / width).powi(2)).exp())
+            })
+        };
+        let found = rise_to_peaks(rows(2.0)).unwrap();
+        assert!(found.peak_at == PeakAt::Viewer && (found.peak > MAX_PEAK || found.ratio > MAX_RISE), "{found:?}");
+        let wide = rise_to_peaks(rows(30.0)).unwrap();
+        assert!(wide.peak <= MAX_PEAK && wide.ratio <= MAX_RISE, "{wide:?}");
     }
 
     #[test]
