@@ -359,7 +359,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let map = made.as_ref().map(|(map, _)| map).or(given.as_ref());
     let (images, why) = arguments
         .images
-        .write(&samples, map, (arguments.hold_out, arguments.seed), inputs)
+        .write((&samples, photographs), map, (arguments.hold_out, arguments.seed), inputs)
         .map_err(|error| of_input(&arguments.input, error))?;
     why.into_iter().for_each(|line| notes.add(line));
     let Some(output) = output else {

@@ -59,17 +59,25 @@ impl ImageOutputs {
         ])
     }
 
-    /// Computes and writes them. The image for web viewers has the polynomials of a map, if there is one. Also returns why there are no
+    /// Computes and writes them. `measured` is true for photographs. The image for web viewers has the polynomials of a map, if there is one. Also returns why there are no
     /// normals, or why they are unreliable.
     pub fn write(
         &self,
-        samples: &LightSamples,
+        (samples, measured): (&LightSamples, bool),
         map: Option<&Ptm>,
         (hold_out, seed): (usize, u64),
         inputs: &[&Path],
     ) -> Result<(ImageReports, Option<String>), Error> {
         let mut reports = ImageReports::default();
         let images = self.normals.is_some() || self.albedo.is_some();
+        // Renderings of a map or a pack agree, also where both are wrong.
+        let make_surface = |samples: &LightSamples| {
+            let (maps, report) = make_surface(samples)?;
+            Ok::<_, Error>((
+                maps,
+                SurfaceReport { between_halves: report.between_halves.filter(|_| measured), ..report },
+            ))
+        };
         let (surface, note) = match self.web {
             _ if images => (Some(make_surface(samples)?), None),
             // Web viewers do not need normals.

@@ -21,7 +21,7 @@ pub struct ColourErrors {
     pub p95: f64,
     /// Largest ΔE over the probes.
     pub max: f64,
-    /// Number of probes at which the reference is not black.
+    /// Number of probes at which the reference is neither black nor saturated.
     pub lit: usize,
 }
 
@@ -30,7 +30,7 @@ impl ColourErrors {
     pub fn new(pairs: &[([f32; 3], [f32; 3])]) -> Self {
         let mut differences: Vec<f64> = pairs.par_iter().map(|(truth, found)| difference(*truth, *found)).collect();
         differences.sort_by(f64::total_cmp);
-        let lit = pairs.iter().filter(|(truth, _)| *truth != [0.0; 3]).count();
+        let lit = pairs.iter().filter(|(truth, _)| *truth != [0.0; 3] && *truth != [1.0; 3]).count();
         let samples = differences.len();
         let at = |share: f64| differences.get(((samples as f64 * share) as usize).min(samples.max(1) - 1));
         let mean = differences.iter().sum::<f64>() / samples.max(1) as f64;

@@ -20,7 +20,8 @@ pub struct StackErrors {
     pub psnr: f64,
     /// Mean of the PSNR of each photograph, dB.
     pub image_psnr: f64,
-    /// Mean ΔE (CIE76).
+    /// Sum of ΔE (CIE76) over all texels, divided by the number of those that are neither black nor white: a black background does not
+    /// dilute the mean.
     pub delta_e: f64,
     /// Share of the photographs' texels that are neither black nor white.
     pub shown: f64,
@@ -75,8 +76,14 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
 }
 
 impl PhotographSums {
-    fn psnr(&self) -> f64 {
+    /// PSNR of sRGB-encoded values, dB.
+    pub fn psnr(&self) -> f64 {
         decibels(self.squares / (3.0 * self.shown.of.max(1) as f64))
+    }
+
+    /// Mean ΔE over all texels.
+    pub fn mean_delta_e(&self) -> f64 {
+        self.distances / self.shown.of.max(1) as f64
     }
 }
 
@@ -119,13 +126,12 @@ impl StackErrors {
     pub fn of_photographs(sums: &[PhotographSums]) -> Self {
         let mut all = PhotographSums::default();
         sums.iter().for_each(|sums| all += *sums);
-        let count = all.shown.of.max(1) as f64;
         Self {
             lights: sums.len(),
             texels: sums.first().map_or(0, |sums| sums.shown.of),
             psnr: all.psnr(),
             image_psnr: sums.iter().map(PhotographSums::psnr).sum::<f64>() / sums.len().max(1) as f64,
-            delta_e: all.distances / count,
+            delta_e: all.distances / all.shown.count.max(1) as f64,
             shown: all.shown.share(),
             contrast: all.shown.contrast(),
         }

@@ -29,6 +29,8 @@ const OUTLIER: f32 = 0.1;
 
 /// Rows between those whose normals are also computed from halves of the lights.
 const HALVED_ROWS: usize = 8;
+/// Minimum number of lights of a half: attached shadows leave fewer.
+const MIN_HALF: usize = 6;
 
 /// One number per lane.
 type Lanes = [f32; LANES];
@@ -43,10 +45,10 @@ pub struct SurfaceMaps {
     /// Linear RGB, 0 or more; 1 is a white diffuser that a light faces. Undefined pixels are black.
     pub albedo: Vec<[f32; 3]>,
     /// Share of the observations of defined pixels that differ from Lambert's law by more than a tenth of the albedo: shadows, gloss and
-    /// interreflections.
+    /// interreflections. Pixels count by their albedo, so that a black background does not.
     pub outliers: f64,
-    /// Mean angle between normals from every other light and from the remaining lights, degrees; `None` if halves of the lights do not
-    /// determine normals.
+    /// Mean angle between normals from every other light and from the remaining lights, degrees, by albedo; `None` for fewer than 12
+    /// lights, and if halves of the lights do not determine normals.
     pub between_halves: Option<f64>,
 }
 
@@ -75,15 +77,15 @@ pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> 
     }
     let width = samples.size[0];
     let halves =
-        [0, 1].map(|first| half(lights, first)).into_iter().all(|half| half.len() >= 3 && !is_one_plane(&half));
+        [0, 1].map(|first| half(lights, first)).into_iter().all(|half| half.len() >= MIN_HALF && !is_one_plane(&half));
     let row = |row: usize| solve_row(samples, row * width, halves && row.is_multiple_of(HALVED_ROWS));
     let rows: Vec<Row> = (0..samples.size[1]).into_par_iter().map(row).collect();
-    let outliers: usize = rows.iter().map(|row| row.outliers).sum();
-    let angles: Vec<f64> = rows.iter().flat_map(|row| row.between_halves.iter().copied()).collect();
-    let between_halves = (!angles.is_empty()).then(|| angles.iter().sum::<f64>() / angles.len() as f64);
-    let observations = (samples.defined_texels() * lights.len()) as f64;
+    let mut all = [WeightedMean::default(); 2];
+    rows.iter().for_each(|row| (0..2).for_each(|k| all[k].add(row.means[k].sum, row.means[k].weight)));
+    let outliers = all[0].mean().unwrap_or(0.0);
+    let between_halves = all[1].mean();
     let (normals, albedo) = rows.into_iter().flat_map(|row| row.pixels).unzip();
-    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers: outliers as f64 / observations, between_halves })
+    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers, between_halves })
 }
 
 /// Every other element.
@@ -105,16 +107,33 @@ fn is_one_plane(lights: &[[f32; 3]]) -> bool {
 struct Row {
     /// Normal and albedo of each pixel.
     pixels: Vec<([f32; 3], [f32; 3])>,
-    /// Number of outliers.
-    outliers: usize,
-    /// Angles between normals from halves of the lights, degrees.
-    between_halves: Vec<f64>,
+    /// Share of outliers, and angle between normals from halves of the lights, degrees.
+    means: [WeightedMean; 2],
+}
+
+/// A mean of values with weights.
+#[derive(Debug, Clone, Copy, Default)]
+struct WeightedMean {
+    /// Sum of values times weights.
+    sum: f64,
+    weight: f64,
+}
+
+impl WeightedMean {
+    fn add(&mut self, sum: f64, weight: f64) {
+        self.sum += sum;
+        self.weight += weight;
+    }
+
+    fn mean(&self) -> Option<f64> {
+        (self.weight > 0.0).then(|| self.sum / self.weight)
+    }
 }
 
 /// Solves the row that starts at a pixel, with `halves` also from each half of the lights.
 fn solve_row(samples: &LightSamples, first: usize, halves: bool) -> Row {
     let width = samples.size[0];
-    let mut row = Row { pixels: Vec::with_capacity(width), outliers: 0, between_halves: Vec::new() };
+    let mut row = Row { pixels: Vec::with_capacity(width), means: [WeightedMean::default(); 2] };
     for start in (first..first + width).step_by(LANES) {
         let count = LANES.min(first + width - start);
         let is_defined = |lane: usize| lane < count && samples.is_defined(start + lane);
@@ -131,15 +150,19 @@ fn solve_row(samples: &LightSamples, first: usize, halves: bool) -> Row {
         if halves {
             let [a, b] = [0, 1].map(|first| solve(&half(&samples.lights, first), &half(&luminances, first)));
             let normals = |lane: usize| [a, b].map(|g| normal_of(g.map(|c| c[lane])).unwrap_or(UP));
-            let lanes = (0..count).filter(|lane| is_defined(*lane)).map(normals);
-            row.between_halves.extend(lanes.map(|[a, b]| f64::from(lit(a, b).min(1.0).acos().to_degrees())));
+            for lane in (0..count).filter(|lane| is_defined(*lane)) {
+                let ([a, b], weight) = (normals(lane), f64::from(length(scaled.map(|c| c[lane]))));
+                row.means[1].add(weight * f64::from(lit(a, b).min(1.0).acos().to_degrees()), weight);
+            }
         }
         for lane in 0..count {
             let g = scaled.map(|c| c[lane]);
             let (normal, albedo) = finished(samples, start + lane, g);
             let floor = OUTLIER * length(g);
             let is_outlier = |(light, values): (&[f32; 3], &Lanes)| (values[lane] - lit(g, *light)).abs() > floor;
-            row.outliers += samples.lights.iter().zip(&luminances).filter(|pair| is_outlier(*pair)).count();
+            let outliers = samples.lights.iter().zip(&luminances).filter(|pair| is_outlier(*pair)).count();
+            let weight = f64::from(length(g));
+            row.means[0].add(weight * outliers as f64 / samples.lights.len() as f64, weight);
             row.pixels.push((normal, albedo));
         }
     }
@@ -340,8 +363,8 @@ mod tests {
             assert!(near(maps.outliers, outliers) && near(between, halves) && near(error, expected));
             assert!((1.3..3.0).contains(&(error / between)), "{error} {between}");
         }
-        // Four lights determine normals, their halves do not.
-        assert_eq!(surface_maps(&sphere(spread_lights(4), |_, _, _, cosine| cosine)).unwrap().between_halves, None);
+        // Ten lights determine normals, their halves do not.
+        assert_eq!(surface_maps(&sphere(spread_lights(10), |_, _, _, cosine| cosine)).unwrap().between_halves, None);
     }
 
     /// Three lights in front of every pixel are enough.

@@ -85,9 +85,10 @@ pub fn compare_photographs(
     };
     let sums: Vec<Result<_, InputError>> = (0..stack.len()).into_par_iter().map(of_light).collect();
     let sums = sums.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let each = stack.lights().iter().zip(&sums).map(|(light, sums)| {
-        let StackErrors { psnr, delta_e, .. } = StackErrors::of_photographs(std::slice::from_ref(sums));
-        PhotographErrors { light: *light, psnr, delta_e }
+    let each = stack.lights().iter().zip(&sums).map(|(light, sums)| PhotographErrors {
+        light: *light,
+        psnr: sums.psnr(),
+        delta_e: sums.mean_delta_e(),
     });
     let errors = StackErrors::of_photographs(&sums);
     Ok(PhotographComparison { errors, photographs: each.collect(), notes: photographs.notes().to_vec() })

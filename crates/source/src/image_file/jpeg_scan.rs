@@ -114,6 +114,10 @@ impl Scans {
             return None;
         }
         let most = [0, 1].map(|k| sampling.iter().map(|factors| factors[k]).max().unwrap_or(1));
+        // Decoders disagree about the rest of the channels.
+        if [0, 1].iter().any(|k| sampling[0][*k] < most[*k]) {
+            return Some(Err("JPEG whose luma is sampled more coarsely than its chroma".to_owned()));
+        }
         let mcus = [0, 1].map(|k| self.size[k].div_ceil(8 * most[k]));
         for (part, sampling) in parts.iter().zip(sampling) {
             let blocks = [mcus[0] * sampling[0], mcus[1] * sampling[1]];

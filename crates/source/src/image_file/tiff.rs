@@ -220,6 +220,13 @@ fn check_layout<R: ImageReader>(decoder: &mut Decoder<R>, channels: usize, ask: 
     let samples = samples_of_parts(decoder, ask)?;
     let mut number = |tag| decoder.find_tag_unsigned::<u64>(tag).map_err(|error| broken(ask, error));
     let [planar, predictor] = [number(Tag::PlanarConfiguration)? == Some(PLANAR), number(Tag::Predictor)? > Some(1)];
+    // It ignores the order of bits, and undoes predictors of uncompressed data, which other programs ignore.
+    if number(Tag::FillOrder)? == Some(2) {
+        return Err(FormatError::whole("TIFF field FillOrder", "2 (lowest bit first)", "1"));
+    }
+    if predictor && number(Tag::Compression)?.is_none_or(|compression| compression == 1) {
+        return Err(FormatError::whole("TIFF field Predictor", "a predictor of uncompressed data", "1 (none)"));
+    }
     let is_tiled = decoder.get_chunk_type() == ChunkType::Tile;
     // It drops the other samples before it undoes the predictor, and writes whole rows of tiles.
     if !planar && samples != channels as u64 && (is_tiled || predictor) {
