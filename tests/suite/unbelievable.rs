@@ -173,6 +173,33 @@ fn flat_btfs_share_the_checks() {
     flatten("synth:lambert", &[]).succeeded();
 }
 
+/// Commands without checks of their own print why a scan does not determine its material.
+#[test]
+fn all_commands_print_gaps() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    folder.write("one.csv", Kind { incidences: 1, ..DENSE }.csv());
+    folder.write("pairs.csv", "theta_i,phi_i,theta_o,phi_o\n0.5,0,0.5,3\n");
+    for command in [
+        &["info", "one.csv"][..],
+        &["compare", "one.csv", "synth:lewis"],
+        &["eval", "one.csv", "--directions", "pairs.csv"],
+        &["samples", "one.csv", "-o", "samples.ktx2"],
+        &["bandwidth", "one.csv", "-o", "bandwidth.ktx2"],
+    ] {
+        let ran = folder.run(command).succeeded();
+        assert!(ran.stderr.contains("one.csv: the scan does not determine the material: "), "{command:?}: {ran:?}");
+    }
+    folder.write("dense.csv", DENSE.csv());
+    let dense = folder.run(&["info", "dense.csv"]).succeeded();
+    assert!(!dense.stderr.contains("does not determine"), "{dense:?}");
+    // The error of a fit has a limit in conversions, too.
+    let convert = |limit: &str| {
+        let table = ["convert", "dense.csv", "-o", "table.binary", "--dimensions", "30x30x60"];
+        folder.run(&[&table[..], &["--max-fit-error", limit]].concat())
+    };
+    assert!(convert("50%").code == 0 && convert("0.0001%").code == 1);
+}
+
 /// A table in MERL's layout cannot hold the two values of exchanged directions.
 #[test]
 fn conversions_say_what_they_lose() {

@@ -266,3 +266,57 @@ fn openlime_draws_the_image_of_the_decoder() {
         }
     }
 }
+
+/// A pack of photographs that are read as linear is compared and drawn with them read alike. Other inputs have no photographs.
+#[test]
+fn photographs_are_read_as_told_everywhere() {
+    let folder = matte(&spread_lights(16));
+    let told = ["--photographs", "linear"];
+    folder.run(&[&["pwt", "matte", "-o", "p.ktx2"][..], &told].concat()).succeeded();
+    let compared = |more: &[&str]| {
+        let ran = folder.run(&[&["compare", "matte", "p.ktx2", "--json"], more].concat()).succeeded();
+        ran.json()["delta_e"].as_f64().unwrap()
+    };
+    assert!(compared(&told) < 3.0 && compared(&[]) > 8.0, "{} {}", compared(&told), compared(&[]));
+    let page = |more: &[&str]| {
+        folder.run(&[&["view", "p.ktx2", "matte", "-o", "v.html"], more].concat()).succeeded();
+        folder.read("v.html")
+    };
+    assert_ne!(page(&told), page(&[]));
+    for (arguments, expected) in [
+        (&["compare", "synth:lewis", "synth:lewis"][..], "--photographs does not apply to reflectances"),
+        (&["view", "p.ktx2", "-o", "v.html"], "--photographs: found no RTI capture"),
+    ] {
+        let ran = folder.run(&[arguments, &told].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(expected), "{}", ran.stderr);
+    }
+}
+
+/// A black background dilutes neither the error of a pack nor the doubt about normals.
+#[test]
+fn black_backgrounds_do_not_dilute_errors() {
+    let (lights, size) = (spread_lights(24), SIZE);
+    let figures = |share: usize| {
+        let folder = Folder::new();
+        // A glossy bump among black pixels.
+        let pixels = |light: usize| -> Vec<[f32; 3]> {
+            let pixel = |pixel: usize| {
+                let n = normal(pixel);
+                let half = [0, 1, 2].map(|k| lights[light][k] + [0.0, 0.0, 1.0][k]);
+                let length = half.iter().map(|c| c * c).sum::<f32>().sqrt();
+                let c = n.iter().zip(half).map(|(a, b)| a * b).sum::<f32>() / length;
+                let value = 0.05 + 0.8 * c.max(0.0).powi(60);
+                if (pixel % size[0]) * 100 < share * size[0] { [value, 0.7 * value, 0.5 * value] } else { [0.0; 3] }
+            };
+            (0..size[0] * size[1]).map(pixel).collect()
+        };
+        write_rti_capture(&folder.path().join("bump"), &lights, size, StackFormat::Png, pixels).unwrap();
+        let report = folder.run(&["pwt", "bump", "-o", "p.ptm", "--normals", "n.png", "--json"]).succeeded().json();
+        let surface = &report["surface"];
+        [&report["delta_e"], &surface["between_halves"], &surface["outliers"]].map(|figure| figure.as_f64().unwrap())
+    };
+    let (whole, part) = (figures(100), figures(13));
+    for (whole, part) in whole.into_iter().zip(part) {
+        assert!(part > 0.5 * whole && part < 2.0 * whole, "{whole} {part}");
+    }
+}
