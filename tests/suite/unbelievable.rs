@@ -178,7 +178,7 @@ fn flat_btfs_share_the_checks() {
 fn all_commands_print_gaps() {
     let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
     folder.write("one.csv", Kind { incidences: 1, ..DENSE }.csv());
-    folder.write("pairs.csv", "theta_i,phi_i,theta_o,phi_o\n0.5,0,0.5,3\n");
+    folder.write("pairs.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0.6,0,0.8,-0.6,0,0.8\n");
     for command in [
         &["info", "one.csv"][..],
         &["compare", "one.csv", "synth:lewis"],

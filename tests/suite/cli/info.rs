@@ -34,7 +34,10 @@ fn every_kind_is_named_with_its_sizes() {
         conforms("info", &report);
         assert_eq!(report["kind"], kind);
         let ran = folder.run(&["info", input]).succeeded();
-        assert!(ran.stdout.contains(words) && ran.stderr.is_empty(), "{input}: {}", ran.stdout);
+        assert!(ran.stdout.contains(words), "{input}: {}", ran.stdout);
+        // The scans are small.
+        let of_gaps = ran.stderr.lines().all(|line| line.contains(": the scan does not determine the material: "));
+        assert!(of_gaps && ran.stderr.is_empty() == (kind != "scan"), "{input}: {}", ran.stderr);
     }
 }
 

@@ -54,7 +54,7 @@ struct Layer {
     part: usize,
     name: String,
     channels: Vec<usize>,
-    /// How it was chosen; `None` for the only layer, without a name.
+    /// Reason for the choice; `None` for the only layer, without a name.
     note: Option<String>,
 }
 

@@ -132,16 +132,16 @@ fn all(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatEr
 /// Reads a file at least up to the header of its first scan, so that opening many photographs does not read them all.
 fn head(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatError> {
     let mut bytes = Vec::new();
-    let mut wanted = FIRST_BYTES;
+    let mut target = FIRST_BYTES;
     loop {
-        let missing = wanted - bytes.len() as u64;
+        let missing = target - bytes.len() as u64;
         reader.by_ref().take(missing).read_to_end(&mut bytes).map_err(|error| ask.broken(error))?;
         let next = |segment: &Segment<'_>| next_segment(&bytes, segment.end);
         let mut all = std::iter::successors(next_segment(&bytes, 2), next);
-        if (bytes.len() as u64) < wanted || all.any(|one| matches!(one.marker, START_OF_SCAN | END_OF_IMAGE)) {
+        if (bytes.len() as u64) < target || all.any(|one| matches!(one.marker, START_OF_SCAN | END_OF_IMAGE)) {
             return Ok(bytes);
         }
-        wanted *= 2;
+        target *= 2;
     }
 }
 

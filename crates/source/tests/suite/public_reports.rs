@@ -53,7 +53,7 @@ fn variables_may_follow_the_format() {
 fn floats_with_a_predictor_may_be_big_endian() {
     let levels = [0.1f32, 0.2, 0.3, 0.4];
     for big in [false, true] {
-        // One plane per byte, the most significant first, whatever the order of the file; then differences.
+        // One plane per byte, the most significant first, in both orders of the file; then differences.
         let planes: Vec<u8> = (0..4).flat_map(|byte| levels.map(|value| value.to_be_bytes()[byte])).collect();
         let differences = |at: usize| if at == 0 { planes[0] } else { planes[at].wrapping_sub(planes[at - 1]) };
         let strip = miniz(&(0..planes.len()).map(differences).collect::<Vec<u8>>());
@@ -140,7 +140,7 @@ fn a_cell_is_invalid_in_any_channel() {
     let source = MerlSource::new(Merl::from_bytes(&bytes).unwrap());
     for k in 0..2000 {
         let angle = |step: f64, most: f64| most * (f64::from(k) * step).fract();
-        let pair = DirectionPair::from_angles(angle(0.618, 1.5), 0.0, angle(0.755, 1.5), angle(0.57, 6.28));
+        let pair = DirectionPair::from_angles(angle(0.618, 1.5), 0.0, angle(0.755, 1.5), angle(0.57, 6.2));
         let found = source.eval(pair, &mut Tally::default());
         assert!(found.iter().all(|c| (c - 0.5).abs() < 1e-6), "{found:?}");
     }
