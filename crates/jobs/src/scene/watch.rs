@@ -294,6 +294,7 @@ mod tests {
     fn links_without_targets_are_changes() {
         let there = tempfile::tempdir().unwrap();
         let folder = there.path();
+        std::fs::write(folder.join("b.brdf"), "b").unwrap();
         let mut watched = Watched::of_inputs(&[folder.into()], Path::new("packs"));
         let first = watched.look();
         std::os::unix::fs::symlink("later.brdf", folder.join("a.brdf")).unwrap();

@@ -23,9 +23,9 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Returns the stamp of a file; `None` if it is not a regular file, or has no modification time.
+    /// Returns the stamp of a regular file or of a link that was not followed; `None` for others, and without a modification time.
     pub fn of(metadata: &Metadata) -> Option<Self> {
-        if !metadata.is_file() {
+        if !metadata.is_file() && !metadata.is_symlink() {
             return None;
         }
         let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;

@@ -1,6 +1,7 @@
 //! Statements of image files about their pixels: formats by depth, colour, orientation, window, page and exposure, against
 //! independent formulas in f64; and files that lack pixels.
 
+use super::public_reports::stored_zlib;
 use brdfc_source::Input;
 use brdfc_source::meso::heights_from_exr;
 use brdfc_source::photograph::{CodeValues, Image};
@@ -709,7 +710,11 @@ fn layouts_of_samples_are_read() {
         (
             "predictor 3",
             "tif",
-            raw_tiff(false, &[(258, &[32]), (317, &[3]), (339, &[3])], &[predicted_floats()]),
+            raw_tiff(
+                false,
+                &[(258, &[32]), (259, &[8]), (317, &[3]), (339, &[3])],
+                &[stored_zlib(&predicted_floats())],
+            ),
             &linear,
         ),
         ("tiles", "tif", raw_tiff(false, &tile, &parts([32, 16], |v| v.to_vec())), &rgb),

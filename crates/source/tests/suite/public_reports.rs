@@ -56,7 +56,7 @@ fn floats_with_a_predictor_may_be_big_endian() {
         // One plane per byte, the most significant first, in both orders of the file; then differences.
         let planes: Vec<u8> = (0..4).flat_map(|byte| levels.map(|value| value.to_be_bytes()[byte])).collect();
         let differences = |at: usize| if at == 0 { planes[0] } else { planes[at].wrapping_sub(planes[at - 1]) };
-        let strip = miniz(&(0..planes.len()).map(differences).collect::<Vec<u8>>());
+        let strip = stored_zlib(&(0..planes.len()).map(differences).collect::<Vec<u8>>());
         let two = |value: u16| if big { value.to_be_bytes() } else { value.to_le_bytes() };
         let four = |value: u32| if big { value.to_be_bytes() } else { value.to_le_bytes() };
         let mut bytes = if big { b"MM".to_vec() } else { b"II".to_vec() };
@@ -91,7 +91,7 @@ fn floats_with_a_predictor_may_be_big_endian() {
 }
 
 /// A stored block of zlib.
-fn miniz(bytes: &[u8]) -> Vec<u8> {
+pub fn stored_zlib(bytes: &[u8]) -> Vec<u8> {
     let length = bytes.len() as u16;
     let (mut a, mut b) = (1u32, 0u32);
     for byte in bytes {
