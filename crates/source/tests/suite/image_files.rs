@@ -768,7 +768,7 @@ fn layouts_of_samples_are_read() {
     let whole = |alpha| vec![part([0, 0], SIZE, with(alpha))];
     for (bytes, expected) in [
         (
-            four(&[(317, &[2])], &whole(70)),
+            four(&[(259, &[8]), (317, &[2])], &[stored_zlib(&whole(70)[0])]),
             "SamplesPerPixel: found 4 in rows with a predictor, expected 3, or plain strips",
         ),
         (four(&tile, &parts([32, 16], with(70))), "SamplesPerPixel: found 4 in tiles, expected 3, or plain strips"),
@@ -777,6 +777,8 @@ fn layouts_of_samples_are_read() {
             "PlanarConfiguration: found separate planes (2) in tiles of 48 rows, expected a divisor of 32 rows",
         ),
         (four(&[(338, &[1])], &whole(70)), "found colours multiplied by alpha, with alpha below 1 at (0, 0), expected"),
+        (four(&[(317, &[2])], &whole(70)), "Predictor: found a predictor of uncompressed data, expected 1 (none)"),
+        (four(&[(266, &[2])], &whole(70)), "FillOrder: found 2 (lowest bit first), expected 1"),
         (raw_tiff(false, &[(278, &[16])], &swapped), "strip or tile 1 of 2303 bytes instead of 2304"),
         (raw_tiff(false, &[(259, &[7]), (262, &[6])], &[self::jpeg(&[])]), "TIFF samples: found YCbCr(8)"),
     ] {
