@@ -167,6 +167,26 @@ fn flat_btfs_share_the_checks() {
     };
     let black = flatten("synth:lambert?kd=0", &[]);
     assert!(black.code == 1 && black.stderr.contains("--max-delta-e: no light: the material is black"), "{black:?}");
+    // Black or saturated by images.
+    image::RgbImage::new(4, 4).save(folder.path().join("black.png")).unwrap();
+    let coloured = flatten("synth:lambert", &["--colour", "black.png"]);
+    assert!(
+        coloured.code == 1 && coloured.stderr.contains("--max-delta-e: no error: all values are black or white"),
+        "{coloured:?}"
+    );
+    let small = ["--texels", "16", "--views", "grid:2x6@50", "--lights", "grid:2x6@50", "--write-images", "btf"];
+    folder.run(&[&["flatten", "synth:folds?resolution=24", "-o", "surface"][..], &small].concat()).succeeded();
+    for level in [None, Some(0), Some(255)] {
+        for name in folder.files("btf").into_keys().filter(|name| level.is_some() && name.ends_with(".png")) {
+            let path = folder.path().join("btf").join(name);
+            let mut image = image::open(&path).unwrap().into_rgb8();
+            image.fill(level.unwrap_or(0));
+            image.save(&path).unwrap();
+        }
+        let ran = folder.run(&["flatten", "btf", "-o", "of-images", "--texels", "16", "--max-delta-e", "50"]);
+        let refused = ran.code == 1 && ran.stderr.contains("--max-delta-e: no error: all values are black or white");
+        assert_eq!((ran.code == 0, refused), (level.is_none(), level.is_some()), "{level:?}: {ran:?}");
+    }
     let one = flatten("one.csv", &[]);
     assert!(one.code == 1 && one.stderr.contains("one.csv: fit: no reliable fit: "), "{one:?}");
     flatten("one.csv", &["--trust-fit"]).succeeded();

@@ -54,10 +54,15 @@ impl Views {
     /// Adds the light of other views of the same surfaces. Complete tables get the added light of the sources, so that they keep
     /// the errors of the grid alone.
     pub fn add_light(&mut self, other: &Self) {
-        let with_noise = |views: &Self| views.source_with_noise.clone().or_else(|| views.source.clone());
-        if self.source_with_noise.is_some() || other.source_with_noise.is_some() {
-            self.source_with_noise = with_noise(self);
-        }
+        let has_noise = self.source_with_noise.is_some() || other.source_with_noise.is_some();
+        let with_noise = |views: &Self| views.source_with_noise.as_ref().or(views.source.as_ref()).cloned();
+        self.source_with_noise = match (with_noise(self), with_noise(other)) {
+            (Some(mut image), Some(added)) if has_noise => {
+                image.add_light(&added);
+                Some(image)
+            }
+            _ => None,
+        };
         self.shader.add_light(&other.shader);
         self.pack.add_light(&other.pack);
         let add = |image: &mut Option<LinearImage>| match (&mut *image, &other.source) {
@@ -66,15 +71,11 @@ impl Views {
         };
         add(&mut self.table);
         add(&mut self.source);
-        match (&mut self.source_with_noise, with_noise(other)) {
-            (Some(image), Some(added)) => image.add_light(&added),
-            _ => self.source_with_noise = None,
-        }
     }
 }
 
-/// Draws a scene by the lobes of its parts, with the shader and on the CPU. `integral` draws the
-/// reference of the shader's rendering from sources, if every part with lobes has one.
+/// Draws a scene by the lobes of its parts, with the shader and on the CPU. `integral` draws the reference of the shader's rendering
+/// from sources, if every part with lobes has one.
 ///
 /// # Errors
 /// Returns the errors of [`draw_lobes`].

@@ -217,7 +217,7 @@ impl FitError {
 /// not completed from samples.
 pub fn undetermined(source: &dyn Source, directions: DirectionRange) -> Option<String> {
     let fit = FitError::without_validation(source.completion()?, directions);
-    // Not validated is not too few.
+    // Without validation this is unknown, which is not a lack of samples.
     let fit = FitError { delta_e: Some(0.0), ..fit };
     fit.gaps().or_else(|| fit.extrapolation())
 }

@@ -287,6 +287,9 @@ mod tests {
         assert!(message_of(b"1\n\0").starts_with("line 2, text: NUL byte"));
         let most = (0..MAX_LIGHTS).fold(format!("{MAX_LIGHTS}\n"), |text, k| text + &format!("{k} 0 {k} 1\n"));
         assert_eq!(LightPositions::parse(&most).unwrap().names.len(), MAX_LIGHTS);
+        // Lines without finite numbers count, too.
+        let more = (0..MAX_LIGHTS).fold(String::new(), |text, k| text + &format!("{k} 0 nan 1\n")) + "last 0 0 1\n";
+        assert!(message(&more).contains("too many lights"), "{}", message(&more));
         let more = format!("{most}one more 0 0 1\n");
         assert!(message(&more).starts_with("line 4098, light: too many lights; expected at most 4096 lights"));
     }

@@ -138,7 +138,7 @@ pub(crate) struct Table<'a> {
     skipped: u64,
     /// True if numbers may have a decimal comma, which is the case if the delimiter is a semicolon or a tab.
     has_commas: bool,
-    /// True once a number with a decimal point, or with a decimal comma, was read.
+    /// True once a number with a decimal point was read, and one with a decimal comma.
     marks: [bool; 2],
 }
 
@@ -226,8 +226,9 @@ impl<'a> Table<'a> {
                 }
                 self.marks = [self.marks[0] || text.contains('.'), self.marks[1] || text.contains(',')];
                 if self.marks == [true; 2] {
-                    let found = format!("{} in a file with the other decimal mark", scan::quoted(text));
-                    let allowed = "decimal points or decimal commas, and no separators of thousands";
+                    let other = if text.contains(',') { "points" } else { "commas" };
+                    let found = format!("{} after numbers with decimal {other}", scan::quoted(text));
+                    let allowed = "one decimal mark in all numbers, and no separators of thousands";
                     return Err(FormatError::at_line(line, (*name).to_owned(), found, allowed).problem());
                 }
                 number(&text.replacen(',', ".", 1), line, name)

@@ -45,13 +45,11 @@ impl Image {
     /// # Errors
     /// Returns the errors of [`read_pixels`].
     pub(crate) fn read(path: &Path, size: [usize; 2], codes: Option<CodeValues>) -> Result<Self, InputError> {
-        let (pixels, conversions) = read_pixels(path, size, codes)?;
-        Ok(Self { conversions, ..Self::new(size, pixels.into_linear()) })
+        Ok(Self::new(size, read_pixels(path, size, codes)?.into_linear()))
     }
 }
 
-/// Reads the pixels of an image of `size`, width and height in pixels, and what was done to them: see
-/// [`FileImage::conversions`].
+/// Reads the pixels of an image of `size`, width and height in pixels.
 ///
 /// Converts colours as the file states them, unless `codes` says what they are. Integers without a statement are sRGB,
 /// and floats linear. Alpha is ignored; a TIFF whose colours are multiplied by it is rejected unless alpha
@@ -60,11 +58,7 @@ impl Image {
 /// # Errors
 /// Returns an error for a file that cannot be read or decoded, or has another size, and for values that are not
 /// finite.
-pub(crate) fn read_pixels(
-    path: &Path,
-    size: [usize; 2],
-    codes: Option<CodeValues>,
-) -> Result<(Pixels, Vec<String>), InputError> {
+pub(crate) fn read_pixels(path: &Path, size: [usize; 2], codes: Option<CodeValues>) -> Result<Pixels, InputError> {
     let wrong = |error| InputError::format(path, error);
     let (mut header, raster) = image_file::read(open(path)?, &ask(codes)).map_err(wrong)?;
     if raster.size != size {
@@ -80,7 +74,7 @@ pub(crate) fn read_pixels(
         let found = format!("{:?} at ({}, {})", pixels[at], at % size[0], at / size[0]);
         return Err(wrong(FormatError::whole("pixel", found, "finite values")));
     }
-    Ok((pixels, header.conversions()))
+    Ok(pixels)
 }
 
 /// Reads the headers of all images.

@@ -126,7 +126,7 @@ impl RtiCapture {
     /// # Errors
     /// Returns the errors of [`Self::pixels`].
     pub fn image(&self, light: usize) -> Result<Image, InputError> {
-        Image::read(self.file_of(light)?, self.size(), self.codes)
+        Ok(Image::new(self.size(), self.pixels(light)?.into_linear()))
     }
 
     /// Reads the image of a light, without caching it.
@@ -137,15 +137,11 @@ impl RtiCapture {
     /// Returns an error for an index out of range, a file that cannot be read or decoded or has changed its size, and
     /// values that are not finite.
     pub fn pixels(&self, light: usize) -> Result<Pixels, InputError> {
-        Ok(read_pixels(self.file_of(light)?, self.size(), self.codes)?.0)
-    }
-
-    fn file_of(&self, light: usize) -> Result<&Path, InputError> {
         let Some(file) = self.files.get(light) else {
             let error = FormatError::whole("light", light.to_string(), format!("less than {}", self.len()));
             return Err(InputError::format(self.files[0].parent().unwrap_or(Path::new("")), error));
         };
-        Ok(file)
+        read_pixels(file, self.size(), self.codes)
     }
 
     /// Facts about the capture.

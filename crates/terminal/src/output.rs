@@ -158,12 +158,17 @@ pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
 }
 
-/// Prints the directions of a source that does not cover all directions, and why the rows of a scan do not determine its material.
-pub fn note_coverage(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
-    let directions = source.directions();
-    if let Some(why) = undetermined(source, directions) {
+/// Prints why the rows of a scan do not determine its material.
+pub fn note_gaps(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
+    if let Some(why) = undetermined(source, source.directions()) {
         note(common, input, &format!("the scan does not determine the material: {why}"));
     }
+}
+
+/// Prints the directions of a source that does not cover all directions, and the gaps of a scan.
+pub fn note_coverage(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
+    note_gaps(common, input, source);
+    let directions = source.directions();
     if !directions.is_all() {
         note(common, input, &format!("the pack covers {directions}; other directions use the nearest covered one"));
     }

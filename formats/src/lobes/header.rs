@@ -17,7 +17,7 @@ pub const MAX_AZIMUTHS: u32 = 32;
 /// Maximum sharpness of a lobe: that of the largest environment.
 pub const MAX_SHARPNESS: f32 = 9.0;
 /// Maximum scale of weights; the minimum is its inverse.
-const MAX_SCALE: f32 = (1u64 << 63) as f32;
+pub const MAX_SCALE: f32 = (1u64 << 63) as f32;
 /// Maximum size of a tilt.
 const MAX_TILT: f32 = 16.0;
 /// Bytes before the lobes.

@@ -7,5 +7,7 @@ mod header;
 mod pack;
 
 pub use decode::{LobeLookup, plane_of_view, view_azimuth, view_position};
-pub use header::{Anchor, LOBES_ENTRY, Lobe, LobesHeader, MAX_AZIMUTHS, MAX_LOBES, MAX_NODES, MAX_SHARPNESS};
+pub use header::{
+    Anchor, LOBES_ENTRY, Lobe, LobesHeader, MAX_AZIMUTHS, MAX_LOBES, MAX_NODES, MAX_SCALE, MAX_SHARPNESS,
+};
 pub use pack::{LOBES_WGSL, LobesPack};

@@ -24,8 +24,8 @@ pub struct LobesPack {
 }
 
 impl LobesPack {
-    /// Creates a pack from weights, which are multiplied by the header's scale, and sharpnesses, row by row, one per view angle and azimuth. Angles vary fastest. They are
-    /// rounded to half floats.
+    /// Creates a pack from weights, divided by the header's scale, and sharpnesses, row by row, one per view angle and azimuth. Angles
+    /// vary fastest. They are rounded to half floats.
     ///
     /// # Errors
     /// Returns an error if the header is out of range, the number of weights is wrong, a weight is not 0 to 65504, or a

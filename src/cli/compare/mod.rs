@@ -4,7 +4,7 @@ mod flat;
 
 use self::flat::FlatReport;
 use super::inputs::refuse_stdin_twice;
-use super::output::{json_or, note, note_coverage, print, refuse_flags, remark};
+use super::output::{json_or, note, note_gaps, print, refuse_flags, remark};
 use super::reading::{PhotographOptions, ReadingOptions, checked};
 use super::{Common, Error};
 use crate::table;
@@ -156,9 +156,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let at = arguments.directions.as_ref().map_or(Ok(Pairs::default()), pairs)?;
     let Measured { pairs, directions, comparison } = reflectances(&a, &b, at)?;
     for (input, material) in [(&arguments.a, &a), (&arguments.b, &b)] {
-        if material.source().completion().is_some() {
-            note_coverage(common, input, material.source());
-        }
+        note_gaps(common, input, material.source());
     }
     if !directions.is_all() {
         remark(common, &format!("compared only at directions that both contain: {directions}"));

@@ -4,7 +4,7 @@ mod files;
 
 pub use files::FilesReport;
 
-use super::output::{json_or, note_coverage, print, print_json, printable};
+use super::output::{json_or, note_gaps, print, print_json, printable};
 use super::reading::{ReadingOptions, checked};
 use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
@@ -144,7 +144,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         Some(contents) => contents,
         None => {
             let opened = open(input, reading).map_err(with_structures)?;
-            note_coverage(common, input, opened.source.as_ref());
+            note_gaps(common, input, opened.source.as_ref());
             reflectance(opened)
         }
     };

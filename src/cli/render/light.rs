@@ -100,13 +100,14 @@ impl Light {
     ) -> Result<Views, Error> {
         let lobes: Vec<Option<&LobesPack>> = of_parts.iter().map(|part| materials[*part].lobes).collect();
         let lit = || materials.iter().filter(|material| material.lobes.is_some());
-        let has_reference = lit().all(|material| material.source.is_some());
+        if !lit().all(|material| material.source.is_some()) {
+            return Ok(lobes_views(gpu, &setup.scene, setup.frame, &self.prefiltered, &lobes, |_| None)?);
+        }
         // The integral looks the source up far too often for a scan.
-        let tabulated = |material: &Lit<'_>| if has_reference { material.tabulated(common) } else { Ok(None) };
-        let tables = materials.iter().map(tabulated).collect::<Result<Vec<_>, _>>()?;
+        let tables = materials.iter().map(|material| material.tabulated(common)).collect::<Result<Vec<_>, _>>()?;
         let sources = materials.iter().zip(&tables).map(|(material, table)| match table {
             Some(table) => Some(&table.source as &dyn Source),
-            None => material.lit_source().filter(|_| has_reference),
+            None => material.lit_source(),
         });
         let integrals = sources.map(|source| source.map(integral_material).transpose());
         let integrals = integrals.collect::<Result<Vec<_>, _>>()?;
@@ -114,12 +115,11 @@ impl Light {
         let integral = |shader: &LinearImage| {
             remark(common, "the integral over the environment, on the CPU");
             let scene = Scene { environment: self.image.clone(), ..setup.scene.clone() };
-            match arguments.adaptive.truth {
+            Some(match arguments.adaptive.truth {
                 Some(directions) => draw_integral(&scene, setup.frame, &integrals, directions),
                 None => converged_integral(&scene, setup.frame, &integrals, shader),
-            }
+            })
         };
-        let integral = |shader: &LinearImage| has_reference.then(|| integral(shader));
         Ok(lobes_views(gpu, &setup.scene, setup.frame, &self.prefiltered, &lobes, integral)?)
     }
 }

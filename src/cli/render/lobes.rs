@@ -5,7 +5,7 @@ use super::asset::name_of;
 use super::light::{Light, Lit, fitted};
 use super::materials::{Subject, pack_flag};
 use super::{gpu, outputs, scene};
-use crate::output::{self, note_coverage};
+use crate::output::{self, note_gaps};
 use crate::reading::open_read;
 use crate::{Common, Error};
 use brdfc::lobes::{LobesPack, LobesRecipe};
@@ -38,7 +38,7 @@ pub(super) fn verification(
         }
     };
     if let Some(material) = &source {
-        note_coverage(common, arguments.source.as_ref().unwrap_or(input), material.source());
+        note_gaps(common, arguments.source.as_ref().unwrap_or(input), material.source());
     }
     let name = name_of(input);
     let materials = [Lit { name: &name, lobes: Some(&pack), source: source.as_ref().map(Material::source) }];

@@ -3,7 +3,7 @@
 use super::arguments::Arguments;
 use super::light::{Lit, fitted};
 use crate::options::flag_of;
-use crate::output::{note, note_coverage, refuse_flags, remark};
+use crate::output::{note, note_gaps, refuse_flags, remark};
 use crate::reading::{checked, first_flag};
 use crate::{Common, Error};
 use brdfc::encode::encode;
@@ -259,8 +259,8 @@ fn prepare_one(
         }
     };
     let source = opened.map(|opened| opened.source);
-    if let Some(source) = source.as_ref().filter(|source| source.completion().is_some()) {
-        note_coverage(common, &name, source.as_ref());
+    if let Some(source) = &source {
+        note_gaps(common, &name, source.as_ref());
     }
     if arguments.table && !matches!((subject, recipe.kind()), (Subject::Pack, _) | (_, PackKind::Wavelet)) {
         return Err(no_table(recipe.kind()));

@@ -27,7 +27,7 @@ use brdfc_core::{Source, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::container::half;
 use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentHeader};
-use brdfc_formats::lobes::{LobesHeader, LobesPack, MAX_SHARPNESS};
+use brdfc_formats::lobes::{LobesHeader, LobesPack, MAX_SCALE, MAX_SHARPNESS};
 use candidate::{Candidate, Place};
 use reflection::Resolution;
 use select::Selection;
@@ -50,9 +50,6 @@ const ISOTROPIC: Grid = Grid { nodes: 24, azimuths: 1, frames: [60, 40] };
 const ANISOTROPIC: Grid = Grid { nodes: 12, azimuths: 8, frames: [30, 20] };
 /// Directions of the integrals: for the fit, and for the error.
 const RESOLUTIONS: [Resolution; 2] = [Resolution { rings: 96, azimuths: 64 }, Resolution { rings: 128, azimuths: 72 }];
-
-/// Largest exponent of the scale of weights, and minus the smallest.
-const MAX_EXPONENT: f32 = 63.0;
 
 /// Error of [`encode`].
 #[derive(Debug, thiserror::Error)]
@@ -185,6 +182,14 @@ impl Grid {
     }
 }
 
+/// Scale of weights up to `largest`: the next larger power of two, so that half floats round materials of all magnitudes alike. By
+/// the bits of the exponent, because logarithms differ between platforms.
+fn scale_of(largest: f32) -> f32 {
+    const EXPONENT: u32 = 0x7f80_0000;
+    let power = f32::from_bits(largest.to_bits() & EXPONENT);
+    if largest > 0.0 { (2.0 * power).clamp(1.0 / MAX_SCALE, MAX_SCALE) } else { 1.0 }
+}
+
 /// Pack of a system. Weights are scaled down where they would reflect more of uniform light than the material.
 ///
 /// The fit cannot distinguish sharpnesses from that of the finest level on. There a lobe takes that of the material's
@@ -206,9 +211,8 @@ fn assembled(grid: Grid, system: &System, views: &Views<'_>, sharpest: f64) -> R
             texels[row * views.views.len() + at] = [r, g, b, stored(one.sharpness_at(view.outgoing[2]))];
         }
     }
-    // A power of two, so that half floats round materials of all magnitudes alike.
     let largest = texels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).fold(0.0, f32::max);
-    let scale = if largest > 0.0 { largest.log2().ceil().clamp(-MAX_EXPONENT, MAX_EXPONENT).exp2() } else { 1.0 };
+    let scale = scale_of(largest);
     for [r, g, b, _] in &mut texels {
         [r, g, b].into_iter().for_each(|c| *c = (*c / scale).min(half::MAX));
     }

@@ -4,8 +4,7 @@ use super::input::{near_note, samples_of_capture};
 use crate::error::Error;
 use brdfc_pwt::LightSamples;
 use brdfc_source::InputError;
-use brdfc_source::photograph::CodeValues;
-use brdfc_source::photograph::Image;
+use brdfc_source::photograph::{CodeValues, Image};
 use brdfc_source::rti_capture::RtiCapture;
 use std::path::Path;
 

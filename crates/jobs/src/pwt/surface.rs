@@ -16,15 +16,16 @@ pub struct SurfaceReport {
     /// Number of lights.
     pub lights: usize,
     /// Share of the observations that differ from Lambert's law by more than a tenth of the albedo, such as shadows and
-    /// highlights.
+    /// highlights. Pixels count by their albedo.
     pub outliers: f64,
-    /// Mean angle between normals from every other light and from the remaining lights, degrees: about half their error.
-    /// Absent if halves of the lights do not determine normals.
+    /// Mean angle between normals from every other light and from the remaining lights, degrees, by albedo: about half the error of
+    /// normals where highlights cause it, and several times the error where blocked lights do. Absent for fewer than 12 lights, for
+    /// renderings of maps and packs, and if halves of the lights do not determine normals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub between_halves: Option<f64>,
 }
 
-/// Angle between normals from halves of the lights above which normals are unreliable, degrees. Their error is about twice this angle.
+/// Angle between normals from halves of the lights above which normals are unreliable, degrees.
 const UNRELIABLE: f64 = 10.0;
 
 impl SurfaceReport {

@@ -1,6 +1,6 @@
 //! The report of one encoded material.
 
-use super::fit::Reliability;
+use super::fit::{Reliability, fit_error};
 use crate::encode::{AveragingCost, CodecReport, EncodedPack, Trial};
 use crate::pack_files::entries;
 use brdfc_codec::HIGHLIGHT;
@@ -76,10 +76,9 @@ impl MaterialReport {
     pub fn new(encoded: &EncodedPack, opened: &Opened, progress: &dyn Progress) -> Result<Self, Cancelled> {
         let (source, input) = (opened.source.as_ref(), &opened.facts);
         let directions = encoded.pack.directions();
-        let measure = |completion| FitError::measure(source, completion, directions, progress);
         Ok(Self {
             samples_in: input.samples(),
-            fit: source.completion().map(measure).transpose()?,
+            fit: fit_error(source, directions, progress)?,
             rows_raised: input.rows_raised(),
             rows_zero: input.rows_zero(),
             stray_rows: input.stray_rows(),

@@ -98,9 +98,8 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
         let Some(input) = capture.or(pack) else {
             return Err(Error::usage("--normals: found no RTI capture and no pack of 'brdfc pwt', expected one"));
         };
-        let codes = options.codes.filter(|_| capture.is_some());
         let name = unique_name(&items, format!("{}, normals", input.short_name()));
-        items.push(of_photographs(name, Photographs::normals(input, codes)?));
+        items.push(of_photographs(name, Photographs::normals(input, options.codes)?));
     }
     Ok(items)
 }

@@ -217,6 +217,24 @@ mod tests {
         }
     }
 
+    /// Decoders disagree about luma that is sampled more coarsely than chroma; the other way round is usual.
+    #[test]
+    fn luma_is_not_coarser_than_chroma() {
+        let jpeg = jpeg();
+        let frame = jpeg.windows(2).position(|pair| pair == [0xff, 0xc0]).unwrap();
+        let sampled = |luma: u8, chroma: u8| {
+            let mut jpeg = jpeg.clone();
+            [(11, luma), (14, chroma), (17, chroma)].into_iter().for_each(|(at, factors)| jpeg[frame + at] = factors);
+            check(&jpeg)
+        };
+        let expected = Err("JPEG whose luma is sampled more coarsely than its chroma".to_owned());
+        for (luma, chroma) in [(0x11, 0x22), (0x11, 0x21), (0x12, 0x21)] {
+            assert_eq!(sampled(luma, chroma), expected, "{luma:x} {chroma:x}");
+        }
+        // Frames of other sampling lack data instead.
+        assert_ne!(sampled(0x22, 0x11), expected);
+    }
+
     /// The end of an embedded preview does not count; fill bytes, stray bytes and trailing bytes are ignored.
     #[test]
     fn previews_and_other_bytes_are_skipped() {

@@ -28,6 +28,8 @@ const UNCOMPRESSED: u16 = 1;
 const JPEG: u16 = 7;
 /// Value of `PlanarConfiguration` of separate channels.
 const PLANAR: u64 = 2;
+/// Value of `FillOrder`.
+const LOWEST_BIT_FIRST: u64 = 2;
 /// Value of `ExtraSamples` of alpha that colours are multiplied by.
 const ASSOCIATED_ALPHA: u16 = 1;
 const TRANSFER_FUNCTION: Tag = Tag::Unknown(301);
@@ -221,10 +223,10 @@ fn check_layout<R: ImageReader>(decoder: &mut Decoder<R>, channels: usize, ask: 
     let mut number = |tag| decoder.find_tag_unsigned::<u64>(tag).map_err(|error| broken(ask, error));
     let [planar, predictor] = [number(Tag::PlanarConfiguration)? == Some(PLANAR), number(Tag::Predictor)? > Some(1)];
     // It ignores the order of bits, and undoes predictors of uncompressed data, which other programs ignore.
-    if number(Tag::FillOrder)? == Some(2) {
+    if number(Tag::FillOrder)? == Some(LOWEST_BIT_FIRST) {
         return Err(FormatError::whole("TIFF field FillOrder", "2 (lowest bit first)", "1"));
     }
-    if predictor && number(Tag::Compression)?.is_none_or(|compression| compression == 1) {
+    if predictor && number(Tag::Compression)?.is_none_or(|compression| compression == u64::from(UNCOMPRESSED)) {
         return Err(FormatError::whole("TIFF field Predictor", "a predictor of uncompressed data", "1 (none)"));
     }
     let is_tiled = decoder.get_chunk_type() == ChunkType::Tile;

@@ -83,6 +83,9 @@ mod tests {
             (&[(75, 0.0), (1, 0.2), (1, 3.0)], Some(2)),
             (&[(7, 0.0), (1, 0.2)], Some(1)),
             (&[(95, 0.0), (5, 0.2)], Some(5)),
+            // A goniometer that is off by less than a third of a degree.
+            (&[(40, -2e-3), (40, 0.0), (40, 2e-3)], Some(0)),
+            (&[(40, -2e-2), (40, 0.0), (40, 2e-2)], None),
             // The circle is continuous where the angle wraps.
             (&[(40, TAU - 4e-5), (40, 4e-5), (40, -3e-5), (1, 1.0)], Some(1)),
         ] {

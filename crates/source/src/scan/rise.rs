@@ -43,7 +43,7 @@ pub(super) fn rise_to_peaks(rows: impl Iterator<Item = (DirectionPair, f64)>) ->
     }
     let rises = groups.into_iter().filter_map(|((is_retro, group), rows)| {
         let peak_at = if is_retro { PeakAt::Viewer } else { PeakAt::Mirror };
-        let found = Rise { peak_at, ..rise(f64::from(group) * STEP, rows)? };
+        let found = rise(peak_at, f64::from(group) * STEP, rows)?;
         (!is_retro || found.nearest <= MAX_NEAREST_OF_RETRO).then_some(found)
     });
     // The larger of both excesses.
@@ -51,8 +51,9 @@ pub(super) fn rise_to_peaks(rows: impl Iterator<Item = (DirectionPair, f64)>) ->
     rises.max_by(|a, b| unknown(a).total_cmp(&unknown(b)))
 }
 
-/// Compares the rows of one incidence (half angle in degrees, reflected light) nearest to the peak with the next ones. Returns `None` if there are few rows or no highlight.
-fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
+/// Compares the rows of one incidence (half angle in degrees, reflected light) nearest to the peak with the next ones. Returns `None`
+/// if there are few rows or no peak.
+fn rise(peak_at: PeakAt, incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
     if rows.len() < MIN_ROWS {
         return None;
     }
@@ -80,7 +81,7 @@ fn rise(incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Rise> {
     // D(θ) ∝ 1 / (1 + x)² with x ∝ θ²: x at the nearest, from the ratio and that of the squared angles.
     let (steps, root) = ((next / nearest.max(1e-6)).powi(2), ratio.sqrt());
     let x = if root < steps { ((root - 1.0) / (steps - root)).min(9.0) } else { 9.0 };
-    Some(Rise { peak_at: PeakAt::Mirror, incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
+    Some(Rise { peak_at, incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
 }
 
 #[cfg(test)]
@@ -98,7 +99,7 @@ mod tests {
 
     #[test]
     fn the_peak_of_a_lobe_is_estimated_from_its_nearest_rows() {
-        let found = rise(30.0, rows(3.0, 3.0, 1.0)).unwrap();
+        let found = rise(PeakAt::Mirror, 30.0, rows(3.0, 3.0, 1.0)).unwrap();
         assert_eq!((found.incidence, found.nearest), (30.0, 3.0));
         assert!((found.peak - 4.0).abs() < 0.8, "{found:?}");
     }
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn wide_lobes_are_determined_and_narrow_ones_are_not() {
         for (width, first, determined) in [(10.0, 2.0, true), (5.0, 0.0, true), (2.0, 4.0, false), (0.5, 0.0, false)] {
-            let found = rise(30.0, rows(width, first, 3.0)).unwrap();
+            let found = rise(PeakAt::Mirror, 30.0, rows(width, first, 3.0)).unwrap();
             assert_eq!(found.peak <= MAX_PEAK && found.ratio <= MAX_RISE, determined, "{width} {first}: {found:?}");
         }
     }
@@ -134,8 +135,8 @@ mod tests {
 
     #[test]
     fn few_rows_and_matte_ones_say_nothing() {
-        assert_eq!(rise(0.0, rows(3.0, 3.0, 1.0)[..7].to_vec()), None);
-        assert_eq!(rise(0.0, (0..40).map(|k| (f64::from(k), 0.3)).collect()), None);
-        assert_eq!(rise(0.0, vec![(0.0, 0.0); 9]), None);
+        assert_eq!(rise(PeakAt::Mirror, 0.0, rows(3.0, 3.0, 1.0)[..7].to_vec()), None);
+        assert_eq!(rise(PeakAt::Mirror, 0.0, (0..40).map(|k| (f64::from(k), 0.3)).collect()), None);
+        assert_eq!(rise(PeakAt::Mirror, 0.0, vec![(0.0, 0.0); 9]), None);
     }
 }

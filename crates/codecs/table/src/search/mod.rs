@@ -72,16 +72,8 @@ pub fn search(
     if reference.is_black() && recipe.is_asked {
         return Err(EncodeError::NothingMeasured);
     }
-    let mut search = Search {
-        source,
-        recipe,
-        reference,
-        progress,
-        prepared: None,
-        excesses: Vec::new(),
-        made: Vec::new(),
-        tried: Vec::new(),
-    };
+    let mut search =
+        Search { source, recipe, reference, progress, prepared: None, made: Vec::new(), tried: Vec::new() };
     if budget.limits_error() {
         search.tables()?;
     } else {
@@ -120,10 +112,8 @@ struct Search<'a> {
     reference: Reference,
     progress: &'a dyn Progress,
     prepared: Option<Prepared>,
-    /// Excess over the budget of each tried size in bytes, plain or factored.
-    excesses: Vec<((u64, bool), Excess)>,
-    /// Candidates with their excess over the budget.
-    made: Vec<(Excess, EncodedTable)>,
+    /// Candidates with their size in bytes, true for factored ones, and their excess over the budget.
+    made: Vec<((u64, bool), Excess, EncodedTable)>,
     tried: Vec<Trial>,
 }
 
@@ -224,18 +214,12 @@ impl Search<'_> {
         Ok(Found::Met(met))
     }
 
-    /// Excess of a table over the budget. Each size is encoded once.
+    /// Encodes a table, unless it was tried, and returns its excess over the budget.
     fn table(&mut self, bytes: u64, factored: bool) -> Result<Excess, EncodeError> {
-        if let Some((_, known)) = self.excesses.iter().find(|(tried, _)| *tried == (bytes, factored)) {
-            return Ok(*known);
+        let size = (bytes, factored);
+        if let Some((_, excess, _)) = self.made.iter().find(|(tried, ..)| *tried == size) {
+            return Ok(*excess);
         }
-        let excess = self.encoded(bytes, factored)?;
-        self.excesses.push(((bytes, factored), excess));
-        Ok(excess)
-    }
-
-    /// Encodes a table and returns its excess over the budget.
-    fn encoded(&mut self, bytes: u64, factored: bool) -> Result<Excess, EncodeError> {
         self.progress.stage(Stage::Try, 1)?;
         let within = CancelOnly(self.progress);
         let recipe = TableRecipe { size: Size::Bytes(bytes), factored, ..self.recipe.table.clone() };
@@ -256,14 +240,14 @@ impl Search<'_> {
         let bytes = pack.to_bytes(recipe.supercompress);
         let (asymmetry, tally) = (prepared.asymmetry, prepared.samples.tally);
         self.prepared = Some(prepared);
-        Ok(self.consider(encode::Encoded { pack, bytes, asymmetry, off_grid, tally }.into()))
+        Ok(self.consider(size, encode::Encoded { pack, bytes, asymmetry, off_grid, tally }.into()))
     }
 
     /// Records a pack, adds it to the candidates if it may be the result, and returns its excess over the budget.
-    fn consider(&mut self, made: EncodedTable) -> Excess {
+    fn consider(&mut self, size: (u64, bool), made: EncodedTable) -> Excess {
         let excess = Excess::of(&self.recipe.budget, &made.off_grid);
         self.tried.push(made.trial(&made.codec, excess.is_met()));
-        self.made.push((excess, made));
+        self.made.push((size, excess, made));
         excess
     }
 
@@ -271,18 +255,18 @@ impl Search<'_> {
         let budget = &self.recipe.budget;
         let rendering = |made: &EncodedTable| made.off_grid.rendering.delta_e.mean;
         let bytes = |made: &EncodedTable| made.pack.gpu_bytes();
-        let least = self.made.iter().map(|(excess, _)| excess.rank()).fold(f64::INFINITY, f64::min);
+        let least = self.made.iter().map(|(_, excess, _)| excess.rank()).fold(f64::INFINITY, f64::min);
         let best = if budget.limits_error() {
             let is_one = |excess: &Excess| if least <= 1.0 { excess.is_met() } else { CLOSER * excess.rank() <= least };
-            self.made.into_iter().filter(|(excess, _)| is_one(excess)).min_by_key(|(_, made)| bytes(made))
+            self.made.into_iter().filter(|(_, excess, _)| is_one(excess)).min_by_key(|(.., made)| bytes(made))
         } else {
             // Packs that retain the highlight come first.
             let is_lost = |excess: &Excess| excess.highlight > 1.0;
-            self.made.into_iter().min_by(|(a, first), (b, second)| {
+            self.made.into_iter().min_by(|(_, a, first), (_, b, second)| {
                 is_lost(a).cmp(&is_lost(b)).then(rendering(first).total_cmp(&rendering(second)))
             })
         };
-        let (excess, mut made) = best.expect("a table was made, or an error was returned");
+        let (_, excess, mut made) = best.expect("a table was made, or an error was returned");
         made.missed = (!excess.is_met()).then(|| missed(budget, &made.off_grid));
         if self.recipe.table.reciprocal {
             made.averaging = Some(AveragingCost::of(self.source, &self.reference));

@@ -1,6 +1,6 @@
 //! The search for the smallest table that meets a budget.
 
-use brdfc_codec::{Budget, EncodeError};
+use brdfc_codec::{Budget, EncodeError, Trial};
 use brdfc_core::address::parse_synth;
 use brdfc_readers::merl::{Dimensions, Merl};
 use brdfc_source::MerlSource;
@@ -9,6 +9,7 @@ use brdfc_table::levels::MAX_LEVELS;
 use brdfc_table::recipe::TableRecipe;
 use brdfc_table::search::recipe::{LARGEST, SearchRecipe, Tables};
 use brdfc_table::search::{EncodedTable, SMALLEST, has_stalled, search, sizes};
+use std::collections::BTreeSet;
 
 fn searched(address: &str, budget: Budget) -> EncodedTable {
     let source = parse_synth(address).unwrap();
@@ -84,14 +85,28 @@ fn stalled_searches_stop() {
     assert!(made.missed.is_some() && made.pack.gpu_bytes() < LARGEST / 4, "{:?}", made.tried);
 }
 
-/// A dark mirror as a MERL file: between the samples of its highlight nothing is known, and more nodes do not help.
-#[test]
-fn a_dark_mirror_gets_no_more_bytes_than_help() {
-    let model = parse_synth("synth:ggx?kd=0.002&f0=0.04&alpha=0.01").unwrap();
+/// Tables for a dark mirror as a MERL file: between the samples of its highlight nothing is known, and more nodes do not help.
+fn of_dark_mirror(alpha: f64) -> EncodedTable {
+    let model = parse_synth(&format!("synth:ggx?kd=0.002&f0=0.04&alpha={alpha}")).unwrap();
     let file = merl_file(model.as_ref(), Dimensions::MERL);
     let mirror = MerlSource::new(Merl::from_bytes(&file).unwrap());
     let budget = Budget { delta_e: Some(0.03), ..NONE };
-    let (made, _) = search(&mirror, &SearchRecipe { budget, ..SearchRecipe::default() }, &()).unwrap();
+    search(&mirror, &SearchRecipe { budget, ..SearchRecipe::default() }, &()).unwrap().0
+}
+
+/// Factored tables are tried from where the errors of plain ones stall, and again below one that meets the limits.
+#[test]
+fn no_size_is_tried_twice() {
+    let made = of_dark_mirror(0.02);
+    let of = |trial: &Trial| (trial.codec.clone(), trial.size.clone(), trial.bytes_on_gpu);
+    let distinct: BTreeSet<_> = made.tried.iter().map(of).collect();
+    assert_eq!(distinct.len(), made.tried.len(), "{:?}", made.tried);
+    assert!(made.tried.iter().any(|trial| trial.meets) && made.tried.len() > 5, "{:?}", made.tried);
+}
+
+#[test]
+fn a_dark_mirror_gets_no_more_bytes_than_help() {
+    let made = of_dark_mirror(0.01);
     let least = made.tried.iter().map(|trial| trial.delta_e).fold(f64::INFINITY, f64::min);
     assert!(made.missed.is_none() || made.off_grid.rendering.delta_e.mean < 1.1 * least, "{:?}", made.tried);
     assert!(made.tried.iter().all(|trial| trial.bytes_on_gpu < LARGEST / 4), "{:?}", made.tried);
