@@ -91,9 +91,14 @@ fn comparison_pairs() -> Vec<DirectionPair> {
 /// `g^5 = g + 1` (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"), starting with number
 /// `first`.
 pub fn points(first: u32) -> impl Iterator<Item = [f64; 4]> {
+    (first..).map(point)
+}
+
+/// Point `number` of the sequence of [`points`].
+pub fn point(number: u32) -> [f64; 4] {
     const G: f64 = 1.167_303_978_261_418_7;
-    let steps = [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G), 1.0 / (G * G * G * G)];
-    (first..).map(move |k| steps.map(|step| (0.5 + f64::from(k) * step).fract()))
+    const STEPS: [f64; 4] = [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G), 1.0 / (G * G * G * G)];
+    STEPS.map(|step| (0.5 + f64::from(number) * step).fract())
 }
 
 /// Unit vector with this z and azimuth, radians.

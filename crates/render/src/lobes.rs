@@ -3,7 +3,7 @@
 
 use super::environment_light::reflected;
 use super::environment_sampler::{EnvironmentSampler, FramedEnvironmentSampler};
-use super::lobe_sampler::{BalancedSampler, MeasuredLobe, shift_of};
+use super::lobe_sampler::{BalancedSampler, MeasuredLobe};
 use super::sample_means::sample_means;
 use super::scene::{Frame, Scene};
 use super::shade::{SourceReflectance, mirror_share};
@@ -16,6 +16,7 @@ use brdfc_formats::environment::{EnvironmentDecoder, EnvironmentPack};
 use brdfc_formats::lobes::LobesPack;
 use brdfc_importance::{ImportanceRecipe, LobeDistributions};
 use brdfc_metrics::image::{ImageDifference, LinearImage, auto_exposure, compare_images};
+use brdfc_metrics::sampling;
 
 /// Directions of an integral for each pixel.
 pub const DIRECTIONS: usize = 256;
@@ -103,18 +104,20 @@ pub fn draw_integral(
 ) -> Integral {
     let environment = EnvironmentSampler::new(&scene.environment);
     let samples = directions.div_ceil(2 * frame.samples_per_pixel());
-    let count = frame.width * frame.height * frame.samples_per_pixel();
-    let half = |batch: usize| {
+    // Shifts of the halves are coordinates of one sequence in four dimensions, so that their errors are independent. Two runs
+    // of a sequence in two dimensions would differ by the same shift at all points.
+    let half = |first: usize| {
         draw(scene, frame, |number, part, point| {
             let Some(IntegralMaterial { reflectance, distributions }) = materials[part] else { return [0.0; 3] };
-            let shift = shift_of(number + batch * count);
+            let shifts = sampling::point(number as u32);
+            let shift = [shifts[first], shifts[first + 1]];
             let lobe = MeasuredLobe { distributions, shift };
             let light = FramedEnvironmentSampler { environment: &environment, point, shift };
             let sampler = BalancedSampler { first: &lobe, second: &light };
             reflected(point, &scene.environment, reflectance, &sampler, samples).radiance
         })
     };
-    let (half, mut image) = (half(0), half(1));
+    let (half, mut image) = (half(0), half(2));
     for (mean, other) in image.pixels.iter_mut().zip(&half.pixels) {
         (0..3).for_each(|k| mean[k] = 0.5 * (mean[k] + other[k]));
     }
