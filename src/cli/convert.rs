@@ -1,7 +1,9 @@
 //! `brdfc convert`: writes a source in a file format of other programs.
 
 use super::options::{by_flags, failed};
-use super::output::{json_or, note, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file};
+use super::output::{
+    json_or, note, note_gaps, output_parser, print_report, refuse_flags, refuse_unfit_output, write_file,
+};
 use super::reading::{ReadingOptions, open_read};
 use super::synth::dimensions;
 use super::{Common, Error};
@@ -95,6 +97,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         |limit: Fraction| limit.checked().map_err(|allowed| Error::wrong_usage("--max-fit-error", limit, allowed));
     let of_fit = FitLimits { error: arguments.max_fit_error.map(checked).transpose()?, trusted: arguments.trust_fit };
     let material = open_read(&arguments.input, arguments.reading)?;
+    note_gaps(common, &arguments.input, material.source());
     let converted = convert(material.source(), target).map_err(|error| match error {
         ConvertError::Anisotropic => Error::input(format!("{}: {error}", arguments.input)),
         ConvertError::Format(error) => match [("grid", &arguments.grid), ("dimensions", &arguments.dimensions)] {

@@ -379,6 +379,9 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let recipe = basis.map_or(recipe, |basis| recipe_of_map(recipe, basis));
     let hold_out = HoldOut { lights: arguments.hold_out, views: arguments.hold_out_views, seed: arguments.seed };
     let made = make(&samples, &recipe, hold_out).map_err(|error| of_input(&arguments.input, error))?;
+    if let Some(nothing) = made.encoded.errors.nothing_shown() {
+        notes.add(format!("the errors mean nothing: {nothing}"));
+    }
     let seconds = Seconds { read, encode: start.elapsed().as_secs_f64() };
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
     write_file(output, &bytes)?;

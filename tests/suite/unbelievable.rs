@@ -204,6 +204,7 @@ fn all_commands_print_gaps() {
         &["compare", "one.csv", "synth:lewis"],
         &["eval", "one.csv", "--directions", "pairs.csv"],
         &["samples", "one.csv", "-o", "samples.ktx2"],
+        &["convert", "one.csv", "-o", "one.binary", "--dimensions", "30x30x60"],
         &["bandwidth", "one.csv", "-o", "bandwidth.ktx2"],
     ] {
         let ran = folder.run(command).succeeded();

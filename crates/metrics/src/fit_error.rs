@@ -24,6 +24,8 @@ pub const MAX_UNCOVERED: f64 = 0.1;
 pub const MAX_SPREAD: f64 = 0.5;
 /// Repeats are representative above this share of the direction pairs.
 const MANY_REPEATS: f64 = 0.1;
+/// Samples contradict reciprocity above this mean difference of exchanged ones.
+pub const MAX_EXCHANGED: f64 = 0.05;
 /// Each held-out incidence doubles a gap. If the error grows with the square of the gap, the error becomes four times
 /// as large, and each gap is doubled from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
@@ -54,6 +56,9 @@ pub struct FitError {
     pub test_directions: Gaps,
     /// Repeated direction pairs; absent without any.
     pub repeats: Option<Repeats>,
+    /// Mean difference of samples from the fit to the others, with light and viewer exchanged, as a fraction of the larger value,
+    /// less the estimated noise; absent if too few exchanged samples are near others.
+    pub exchanged: Option<f64>,
     /// Rise of the samples towards the mirror direction; absent if too few are near it.
     pub rise: Option<Rise>,
 }
@@ -158,6 +163,7 @@ impl FitError {
             ball: Gaps::of(completion, &coarse_rendering_pairs(directions)),
             test_directions: Gaps::of(completion, &tested),
             repeats: completion.repeats(),
+            exchanged: completion.exchanged(),
             rise: completion.rise(),
         }
     }
@@ -188,6 +194,13 @@ impl FitError {
         {
             let (pairs, spread) = (repeats.pairs, 100.0 * repeats.spread);
             return Some(format!("repeated samples of {pairs} direction pairs differ by {spread:.0} %"));
+        }
+        if let Some(exchanged) = self.exchanged.filter(|exchanged| *exchanged > MAX_EXCHANGED) {
+            let difference = 100.0 * exchanged;
+            return Some(format!(
+                "with light and viewer exchanged, samples differ by {difference:.0} % on average: the material is anisotropic and was \
+                 measured from one azimuth, or the values are not a BRDF (multiplied by a cosine?)"
+            ));
         }
         if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {
             let Rise { incidence, nearest, next, ratio, .. } = rise;

@@ -25,14 +25,16 @@ impl Default for Shown {
 }
 
 impl Shown {
-    /// Counts a colour, linear RGB. Negative values count as 0.
-    pub fn add(&mut self, colour: [f64; 3]) {
+    /// Counts a colour, linear RGB, and returns true if it is neither black nor white. Negative values count as 0.
+    pub fn add(&mut self, colour: [f64; 3]) -> bool {
         self.of += 1;
-        if colour.iter().any(|value| *value > BLACK) && colour.iter().any(|value| *value < 1.0) {
+        let is_shown = colour.iter().any(|value| *value > BLACK) && colour.iter().any(|value| *value < 1.0);
+        if is_shown {
             let sum = colour.iter().map(|value| value.max(0.0)).sum::<f64>();
             self.count += 1;
             self.range = [self.range[0].min(sum), self.range[1].max(sum)];
         }
+        is_shown
     }
 
     /// Share of the colours that are neither black nor white; 0 without any colour.
@@ -47,8 +49,13 @@ impl Shown {
 
     /// Number of colours that must be neither black nor white.
     pub fn needed(&self) -> usize {
-        (MIN_SHOWN * self.of as f64).ceil() as usize
+        needed(self.of)
     }
+}
+
+/// Number of `of` colours that must be neither black nor white, at least one.
+pub fn needed(of: usize) -> usize {
+    ((MIN_SHOWN * of as f64).ceil() as usize).max(1)
 }
 
 impl std::ops::AddAssign for Shown {
@@ -65,7 +72,8 @@ mod tests {
 
     fn shown(colours: &[[f64; 3]]) -> Shown {
         let mut shown = Shown::default();
-        colours.iter().for_each(|colour| shown.add(*colour));
+        let count = colours.iter().filter(|colour| shown.add(**colour)).count();
+        assert_eq!(shown.count, count);
         shown
     }
 

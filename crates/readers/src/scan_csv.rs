@@ -226,8 +226,12 @@ impl<'a> Table<'a> {
                 }
                 self.marks = [self.marks[0] || text.contains('.'), self.marks[1] || text.contains(',')];
                 if self.marks == [true; 2] {
-                    let other = if text.contains(',') { "points" } else { "commas" };
-                    let found = format!("{} after numbers with decimal {other}", scan::quoted(text));
+                    let after = match [text.contains('.'), text.contains(',')] {
+                        [true, true] => "with a point and a comma",
+                        [_, true] => "after numbers with decimal points",
+                        _ => "after numbers with decimal commas",
+                    };
+                    let found = format!("{} {after}", scan::quoted(text));
                     let allowed = "one decimal mark in all numbers, and no separators of thousands";
                     return Err(FormatError::at_line(line, (*name).to_owned(), found, allowed).problem());
                 }

@@ -29,7 +29,7 @@ impl FlatReport {
 
     /// Compares the mean with a limit.
     pub(super) fn check(&self, a: &Input, limit: f64) -> Result<(), Error> {
-        if self.errors.lit == 0 {
+        if self.errors.show_nothing() {
             return Err(Error::check(format!("{a}: all values are black or white, so there is no error to check")));
         }
         let found = self.errors.mean;

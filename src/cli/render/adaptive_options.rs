@@ -51,7 +51,8 @@ pub(super) struct AdaptiveOptions {
     /// Samples per point of forward shading, 1 to 1024 (default: 32).
     #[arg(long, value_name = "N", requires = "adaptive", value_parser = whole_number::<u32>(1..=MAX_SAMPLES.into()))]
     pub(super) forward: Option<u32>,
-    /// Directions per pixel of the reference on the CPU, 16 to 65536 (default: 256); with --adaptive samples per point
+    /// Directions per pixel of the reference on the CPU, 16 to 65536 (default: 256, or up to 4096
+    /// where noise would be more than a fifth of the ΔE); with --adaptive samples per point
     /// of the ground truth (default: 256 per pixel, at least twice the samples of --forward).
     #[arg(long, value_name = "N", value_parser = whole_number::<usize>(16..=65_536))]
     pub(super) truth: Option<usize>,

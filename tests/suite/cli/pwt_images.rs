@@ -298,15 +298,16 @@ fn black_backgrounds_do_not_dilute_errors() {
     let (lights, size) = (spread_lights(24), SIZE);
     let figures = |share: usize| {
         let folder = Folder::new();
-        // A glossy bump among black pixels.
+        // A glossy bump among pixels that are black but for noise.
         let pixels = |light: usize| -> Vec<[f32; 3]> {
             let pixel = |pixel: usize| {
                 let n = normal(pixel);
                 let half = [0, 1, 2].map(|k| lights[light][k] + [0.0, 0.0, 1.0][k]);
                 let length = half.iter().map(|c| c * c).sum::<f32>().sqrt();
                 let c = n.iter().zip(half).map(|(a, b)| a * b).sum::<f32>() / length;
+                let noise = 0.001 * ((7 * pixel + 5 * light) % 5) as f32;
                 let value = 0.05 + 0.8 * c.max(0.0).powi(60);
-                if (pixel % size[0]) * 100 < share * size[0] { [value, 0.7 * value, 0.5 * value] } else { [0.0; 3] }
+                if (pixel % size[0]) * 100 < share * size[0] { [value, 0.7 * value, 0.5 * value] } else { [noise; 3] }
             };
             (0..size[0] * size[1]).map(pixel).collect()
         };

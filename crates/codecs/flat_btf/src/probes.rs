@@ -5,6 +5,7 @@ use super::surface::Appearance;
 use brdfc_formats::direction::{Vector, dot, from_polar};
 use brdfc_formats::flat_btf::{FlatBtfDecoder, SampledDirections};
 use brdfc_metrics::lab::{distance_squared, lab};
+use brdfc_metrics::shown::{Shown, needed};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -21,8 +22,8 @@ pub struct ColourErrors {
     pub p95: f64,
     /// Largest ΔE over the probes.
     pub max: f64,
-    /// Number of probes at which the reference is neither black nor saturated.
-    pub lit: usize,
+    /// Number of probes at which the reference is neither black nor white.
+    pub shown: usize,
 }
 
 impl ColourErrors {
@@ -30,7 +31,8 @@ impl ColourErrors {
     pub fn new(pairs: &[([f32; 3], [f32; 3])]) -> Self {
         let mut differences: Vec<f64> = pairs.par_iter().map(|(truth, found)| difference(*truth, *found)).collect();
         differences.sort_by(f64::total_cmp);
-        let lit = pairs.iter().filter(|(truth, _)| *truth != [0.0; 3] && *truth != [1.0; 3]).count();
+        let mut shown = Shown::default();
+        let count = pairs.iter().filter(|(truth, _)| shown.add(truth.map(f64::from))).count();
         let samples = differences.len();
         let at = |share: f64| differences.get(((samples as f64 * share) as usize).min(samples.max(1) - 1));
         let mean = differences.iter().sum::<f64>() / samples.max(1) as f64;
@@ -39,8 +41,13 @@ impl ColourErrors {
             mean,
             p95: at(0.95).copied().unwrap_or(0.0),
             max: differences.last().copied().unwrap_or(0.0),
-            lit,
+            shown: count,
         }
+    }
+
+    /// Returns true if too few probes show anything for an error.
+    pub fn show_nothing(&self) -> bool {
+        self.shown < needed(self.samples)
     }
 }
 

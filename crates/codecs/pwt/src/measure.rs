@@ -20,8 +20,8 @@ pub struct StackErrors {
     pub psnr: f64,
     /// Mean of the PSNR of each photograph, dB.
     pub image_psnr: f64,
-    /// Sum of ΔE (CIE76) over all texels, divided by the number of those that are neither black nor white: a black background does not
-    /// dilute the mean.
+    /// Mean ΔE (CIE76) of the texels that are neither black nor white in the photographs, so that a black background does not dilute it;
+    /// 0 without such texels.
     pub delta_e: f64,
     /// Share of the photographs' texels that are neither black nor white.
     pub shown: f64,
@@ -57,7 +57,7 @@ pub struct PhotographSums {
     shown: Shown,
     /// Squared differences of sRGB-encoded values.
     squares: f64,
-    /// Sum of ΔE.
+    /// Sum of ΔE over the texels that are neither black nor white.
     distances: f64,
 }
 
@@ -67,12 +67,9 @@ pub fn photograph_sums(found: &[[f32; 3]], expected: &[[f32; 3]]) -> PhotographS
     let seen = |colour: &[f32; 3]| lab(colour.map(|value| value.max(0.0)));
     let distance = |(found, expected): (&[f32; 3], &[f32; 3])| distance_squared(seen(found), seen(expected)).sqrt();
     let mut shown = Shown::default();
-    expected.iter().for_each(|colour| shown.add(colour.map(f64::from)));
-    PhotographSums {
-        shown,
-        squares: squares(&codes(found), &codes(expected)),
-        distances: found.iter().zip(expected).map(distance).map(f64::from).sum(),
-    }
+    let is_shown = |(_, expected): &(&[f32; 3], &[f32; 3])| shown.add(expected.map(f64::from));
+    let distances = found.iter().zip(expected).filter(is_shown).map(distance).map(f64::from).sum();
+    PhotographSums { squares: squares(&codes(found), &codes(expected)), distances, shown }
 }
 
 impl PhotographSums {
@@ -81,9 +78,9 @@ impl PhotographSums {
         decibels(self.squares / (3.0 * self.shown.of.max(1) as f64))
     }
 
-    /// Mean ΔE over all texels.
+    /// Mean ΔE of the texels that are neither black nor white; 0 without any.
     pub fn mean_delta_e(&self) -> f64 {
-        self.distances / self.shown.of.max(1) as f64
+        self.distances / self.shown.count.max(1) as f64
     }
 }
 
@@ -131,7 +128,7 @@ impl StackErrors {
             texels: sums.first().map_or(0, |sums| sums.shown.of),
             psnr: all.psnr(),
             image_psnr: sums.iter().map(PhotographSums::psnr).sum::<f64>() / sums.len().max(1) as f64,
-            delta_e: all.distances / all.shown.count.max(1) as f64,
+            delta_e: all.mean_delta_e(),
             shown: all.shown.share(),
             contrast: all.shown.contrast(),
         }

@@ -90,7 +90,7 @@ pub fn check_sources(
 ) -> Vec<(String, GateResult)> {
     let AssetErrors { from_surface, from_images } = asset.report.errors;
     let black = match from_images.or(from_surface) {
-        Some(errors) => errors.lit == 0,
+        Some(errors) => errors.show_nothing(),
         None => materials.iter().all(|one| one.black),
     };
     let found = Found { delta_e: delta_e(asset), relative: None, all_lights: true };

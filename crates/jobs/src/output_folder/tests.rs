@@ -207,3 +207,17 @@ fn cleanup_errors_are_not_failed_moves() {
     assert!(error.to_string().ends_with("the files of the folder are in place"), "{error}");
     assert_eq!(there.text("b").as_deref(), Some("new"));
 }
+
+/// A link has no stamp, because its target may change without it.
+#[cfg(unix)]
+#[test]
+fn links_are_not_placed_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, link] = ["file", "a"].map(|name| folder.path().join(name));
+    std::fs::write(&file, "1").unwrap();
+    let placed = || placed::Placed { digest: Digest::of(b"1"), stamp: None };
+    let files = ["file", "a"].map(|name| (name.to_owned(), placed())).into_iter().collect();
+    std::os::unix::fs::symlink(&file, link).unwrap();
+    let verified = placed::Placements { files }.verified(folder.path());
+    assert_eq!(verified.keys().collect::<Vec<_>>(), ["file"]);
+}

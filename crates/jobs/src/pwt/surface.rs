@@ -25,15 +25,15 @@ pub struct SurfaceReport {
     pub between_halves: Option<f64>,
 }
 
-/// Angle between normals from halves of the lights above which normals are unreliable, degrees.
+/// Angle between normals from halves of the lights above which normals may be wrong, degrees.
 const UNRELIABLE: f64 = 10.0;
 
 impl SurfaceReport {
     /// Reason to doubt the normals, if there is one.
     pub fn doubt(&self) -> Option<String> {
         let angle = self.between_halves.filter(|angle| *angle > UNRELIABLE)?;
-        let why = "most light comes from highlights or bounces, or many lights are blocked";
-        Some(format!("normals are unreliable: those from halves of the lights differ by {angle:.1}° on average; {why}"))
+        let why = "most light comes from highlights or bounces, or, with smaller errors, many lights are blocked";
+        Some(format!("normals may be wrong: those from halves of the lights differ by {angle:.1}° on average; {why}"))
     }
 }
 

@@ -216,6 +216,7 @@ mod tests {
     use brdfc_source::open::open;
 
     const GOOD: FitError = FitError {
+        exchanged: None,
         rise: None,
         samples: Some(0.02),
         incidences: Some(0.03),
@@ -272,6 +273,8 @@ mod tests {
             (FitError { repeats: repeats(0.5, 0.9), ..GOOD }, true),
             (FitError { repeats: repeats(0.01, 0.9), ..GOOD }, false),
             (FitError { repeats: repeats(0.5, 0.1), ..GOOD }, false),
+            (FitError { exchanged: Some(0.06), ..GOOD }, true),
+            (FitError { exchanged: Some(0.04), ..GOOD }, false),
             (FitError { rise: rise(4.0, 5.0), ..GOOD }, true),
             (FitError { rise: rise(99.0, 1.2), ..GOOD }, true),
             (FitError { rise: rise(4.0, 1.2), ..GOOD }, false),

@@ -170,7 +170,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         let units = if largest > most { UNITS } else { "" };
         let what = "not energy-conserving: the source reflects up to";
         lines.push(format!("{what} {times} times the light that reaches it{units}"));
-    } else if largest < least {
+    } else if largest < least && report.directions.is_all() {
         let share = percent(largest);
         lines.push(format!("the source reflects at most {share} of the light that reaches it{UNITS}"));
     }

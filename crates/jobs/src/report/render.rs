@@ -42,7 +42,8 @@ pub struct Verification {
     /// Grid error: the CPU's rendering from whole, unquantised tables against the one from sources.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<ImageDifference>,
-    /// Noise of the CPU's rendering from sources, which is part of the errors above: the difference that it causes by itself. Absent
+    /// Noise of the CPU's rendering from sources: the difference that it alone causes. It raises the errors above, but less than by
+    /// this much, because the errors are independent. Absent
     /// if no random directions were used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<ImageDifference>,
@@ -180,8 +181,8 @@ pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
     };
     let is_lit = |pixel: [f64; 3]| pixel.iter().any(|value| *value > 0.0);
     let mut shown = Shown::default();
-    on_surfaces().for_each(|pixel| shown.add(pixel));
-    let (count, of, needed) = (shown.count, shown.of, shown.needed());
+    let count = on_surfaces().filter(|pixel| shown.add(*pixel)).count();
+    let (of, needed) = (shown.of, shown.needed());
     if !on_surfaces().any(is_lit) {
         Some("no light: all surfaces are black".to_owned())
     } else if count < needed {

@@ -229,7 +229,7 @@ pub(crate) fn named_in(manifest: &Path) -> Option<Vec<Named>> {
 
 /// Stamp of a file, or of a link whose target does not exist.
 fn stamp(path: &Path) -> Option<Stamp> {
-    Stamp::of(&std::fs::metadata(path).or_else(|_| path.symlink_metadata()).ok()?)
+    Stamp::of_entry(&std::fs::metadata(path).or_else(|_| path.symlink_metadata()).ok()?)
 }
 
 fn parent(path: &Path) -> &Path {

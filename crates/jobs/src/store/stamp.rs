@@ -23,8 +23,14 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Returns the stamp of a regular file or of a link that was not followed; `None` for others, and without a modification time.
+    /// Returns the stamp of a regular file; `None` for others, and without a modification time.
     pub fn of(metadata: &Metadata) -> Option<Self> {
+        metadata.is_file().then(|| Self::of_entry(metadata)).flatten()
+    }
+
+    /// Returns the stamp of a regular file or of a link itself, whose target may change without it; `None` for others, and without a
+    /// modification time.
+    pub fn of_entry(metadata: &Metadata) -> Option<Self> {
         if !metadata.is_file() && !metadata.is_symlink() {
             return None;
         }

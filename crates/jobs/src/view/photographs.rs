@@ -105,14 +105,14 @@ impl Photographs {
     /// # Errors
     /// Returns an error if the input is invalid, or if its lights do not determine normals.
     pub fn normals(input: &Input, codes: Option<CodeValues>) -> Result<Self, Error> {
-        let (maps, _) = make_surface(&LightInput::open_as(input, None, codes)?.into_samples())?;
+        let (maps, report) = make_surface(&LightInput::open_as(input, None, codes)?.into_samples())?;
         let [width, height] = maps.size.map(|side| side as u32);
         let size = within(maps.size, MAX_SIDE);
         let levels = ImageBuffer::<Rgb<u8>, _>::from_raw(width, height, maps.normal_levels()).expect("three per pixel");
         let levels = resize(&levels, size[0] as u32, size[1] as u32, FilterType::Triangle).into_raw();
         let jpeg = jpeg(&levels, size[0], size[1], QUALITY_OF_NORMALS);
         let all = vec![Photograph { name: "normals".to_owned(), light: None, jpeg }];
-        Ok(Self { full_size: maps.size, size, total: 1, all, notes: Vec::new() })
+        Ok(Self { full_size: maps.size, size, total: 1, all, notes: report.doubt().into_iter().collect() })
     }
 
     /// Bytes in the page, as Base64.

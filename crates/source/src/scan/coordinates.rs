@@ -17,7 +17,7 @@
 //!
 //! The constants were tuned on held-out rows, rings and incidences of real scans; none of them is critical.
 
-use brdfc_formats::direction::{DirectionPair, dot};
+use brdfc_formats::direction::{DirectionPair, Vector, dot};
 use std::f64::consts::{PI, TAU};
 
 /// Distance between a measured row and its reciprocal.
@@ -79,14 +79,28 @@ impl Angles {
     }
 }
 
+/// Angles of a direction pair, in units of [`SAME`].
+pub type Identity = [i32; 4];
+
+/// Angles that round to the same multiple of this are equal, degrees: files in radians with four decimals are rounded to 0.003.
+const SAME: f64 = 0.01;
+
+fn steps(radians: f64) -> i32 {
+    (radians.to_degrees() / SAME).round() as i32
+}
+
+/// Polar angle of a direction, radians.
+pub fn polar([x, y, z]: Vector) -> f64 {
+    x.hypot(y).atan2(z)
+}
+
 /// A space of `D` coordinates. The search space has one more, which is 0 for measured rows and for queries.
 pub trait Space<const D: usize, const S: usize> {
     /// Coordinates of a pair; all symmetric pairs except the reciprocal one have the same.
     fn place(pair: DirectionPair) -> [f64; D];
 
-    /// Numbers of 1 or less that are equal for pairs that the material's symmetries identify, except for the reciprocal
-    /// one, and differ for others. They have no pole.
-    fn identity(pair: DirectionPair) -> [f64; 6];
+    /// Angles, rounded, that are equal for pairs that the material's symmetries identify, except for the reciprocal one.
+    fn identity(pair: DirectionPair) -> Identity;
 
     /// Positions of a row in the search space, the row itself first: images across the ends of the azimuth's fold, so
     /// that neighbours are found there, and the reciprocals of all of them.
@@ -103,10 +117,12 @@ impl Space<3, 4> for Isotropic {
         [a.x, a.theta_d, a.r_isotropic * a.phi_d.abs()]
     }
 
-    /// Sines and cosines of the polar angles, and products of the projected directions.
-    fn identity(pair: DirectionPair) -> [f64; 6] {
-        let ([ix, iy, iz], [ox, oy, oz]) = (pair.incoming, pair.outgoing);
-        [ix.hypot(iy), iz, ox.hypot(oy), oz, ix * ox + iy * oy, (ix * oy - iy * ox).abs()]
+    /// The polar angles, and the azimuth between the directions in `[0, π]`.
+    fn identity(pair: DirectionPair) -> Identity {
+        let ([ix, iy, _], [ox, oy, _]) = (pair.incoming, pair.outgoing);
+        let [light, view] = [pair.incoming, pair.outgoing].map(|v| steps(polar(v)));
+        let between = steps((ix * oy - iy * ox).atan2(ix * ox + iy * oy)).abs();
+        [light, view, if light == 0 || view == 0 { 0 } else { between }, 0]
     }
 
     fn images(pair: DirectionPair) -> Vec<[f64; 4]> {
@@ -134,10 +150,15 @@ impl Space<4, 5> for Anisotropic {
         [a.x * a.azimuth[0], a.x * a.azimuth[1], a.theta_d, a.r * a.psi()]
     }
 
-    /// Both directions.
-    fn identity(pair: DirectionPair) -> [f64; 6] {
-        let ([ix, iy, iz], [ox, oy, oz]) = (pair.incoming, pair.outgoing);
-        [ix, iy, iz, ox, oy, oz]
+    /// Polar angle and azimuth of both directions.
+    fn identity(pair: DirectionPair) -> Identity {
+        let of = |direction: Vector| {
+            let polar = steps(polar(direction));
+            let azimuth = steps(direction[1].atan2(direction[0])).rem_euclid(steps(TAU));
+            [polar, if polar == 0 { 0 } else { azimuth }]
+        };
+        let ([light, of_light], [view, of_view]) = (of(pair.incoming), of(pair.outgoing));
+        [light, of_light, view, of_view]
     }
 
     fn images(pair: DirectionPair) -> Vec<[f64; 5]> {
@@ -217,11 +238,33 @@ mod tests {
             let turned = DirectionPair::from_angles(ti, turn, to, turn + p);
             let mirrored = DirectionPair::from_angles(ti, 0.0, to, -p);
             for other in [turned, mirrored] {
-                prop_assert!(near(&Isotropic::identity(pair), &Isotropic::identity(other)));
-                prop_assert!(!near(&Anisotropic::identity(pair), &Anisotropic::identity(other)));
+                prop_assert_eq!(Isotropic::identity(pair), Isotropic::identity(other));
+                prop_assert_ne!(Anisotropic::identity(pair), Anisotropic::identity(other));
             }
-            let other = Isotropic::identity(DirectionPair::from_angles(ti + 1e-3, 0.0, to, p));
-            prop_assert!(!near(&Isotropic::identity(pair), &other));
+            let other = DirectionPair::from_angles(ti + 1e-3, 0.0, to, p);
+            prop_assert_ne!(Isotropic::identity(pair), Isotropic::identity(other));
         }
+    }
+
+    /// Mirrored rows of a grid, in radians with four decimals.
+    #[test]
+    fn rounded_angles_are_equal() {
+        let rounded = |degrees: f64| (1e4 * degrees.to_radians()).round() / 1e4;
+        let identity = |azimuth: f64| {
+            let pair = DirectionPair::from_angles(rounded(10.0), rounded(45.0), rounded(20.0), rounded(45.0 + azimuth));
+            (Isotropic::identity(pair), Anisotropic::identity(pair))
+        };
+        for step in 1..24 {
+            let azimuth = 7.5 * f64::from(step);
+            let [(one, apart), (other, other_apart)] = [azimuth, 360.0 - azimuth].map(identity);
+            assert_eq!(one, other);
+            assert_ne!(apart, other_apart);
+        }
+        // The azimuth at the pole is no difference.
+        let [a, b] = [0.3, 2.0].map(|azimuth| DirectionPair::from_angles(1e-5, azimuth, 0.7, 0.1));
+        assert_eq!(
+            (Isotropic::identity(a), Anisotropic::identity(a)),
+            (Isotropic::identity(b), Anisotropic::identity(b))
+        );
     }
 }

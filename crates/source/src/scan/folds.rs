@@ -1,10 +1,11 @@
 //! Cross-validation of scans: scans without some of their rows, and the distance of a direction pair from the rows.
 
-use super::merge::rounded;
-use super::rise::{polar, rise_to_peaks};
+use super::fit::{TERMS_3D, TERMS_4D};
+use super::rise::rise_to_peaks;
 use super::strength::Strength;
 use super::{Points, ScanSource, Tree};
-use crate::scan::coordinates::{Anisotropic, Isotropic, Space};
+use crate::scan::coordinates::{Anisotropic, Identity, Isotropic, Space, polar};
+use brdfc_core::Tally;
 use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats, Rise};
 use brdfc_formats::direction::{DirectionPair, dot};
 use kiddo::SquaredEuclidean;
@@ -14,10 +15,16 @@ use std::num::NonZero;
 
 /// Incidences that round to the same multiple of this angle are equal, degrees.
 const INCIDENCE: f64 = 1.0;
-/// Sines and cosines that round to the same multiple of this are equal.
-const SAME: f64 = 1e-5;
 /// Maximum difference of logarithms between a value and its copy, as opposed to a second measurement.
 const COPY: f64 = 1e-6;
+/// Largest distance of an exchanged row from the rows as measured, degrees, for a comparison with their fit.
+const NEAR: f64 = 5.0;
+/// Largest polar angle of rows that are compared with exchanged ones, degrees: at grazing angles, real scans are not reciprocal.
+const MAX_POLAR: f64 = 65.0;
+/// Differences of exchanged rows up to this multiple of the mean left-out residual are the fit's.
+const LEFT_OUT: f64 = 3.0;
+/// Minimum and maximum number of rows that are compared with exchanged ones.
+const COMPARED: [usize; 2] = [20, 1000];
 /// Number of candidates for the nearest row by angles: the nearest ones in the search space.
 const NEAREST: NonZero<usize> = NonZero::new(8).expect("positive");
 
@@ -39,9 +46,9 @@ impl ScanSource {
         let mut rows_of: BTreeMap<(i32, i32), usize> = BTreeMap::new();
         self.pairs.iter().for_each(|pair| *rows_of.entry(key(pair)).or_default() += 1);
         let rows: BTreeMap<_, usize> =
-            self.pairs.iter().enumerate().map(|(row, pair)| (self.place(*pair), row)).collect();
+            self.pairs.iter().enumerate().map(|(row, pair)| (self.identity(*pair), row)).collect();
         let is_copy = |row: usize, pair: DirectionPair| {
-            let other = rows.get(&self.place(pair.exchanged())).filter(|other| **other != row)?;
+            let other = rows.get(&self.identity(pair.exchanged())).filter(|other| **other != row)?;
             let near = |(a, b): (&f64, &f64)| (a - b).abs() < COPY;
             self.measured[row].iter().zip(&self.measured[*other]).all(near).then(|| pair.exchanged())
         };
@@ -57,10 +64,9 @@ impl ScanSource {
         (keys.iter().map(|key| numbers[key]).collect(), numbers.len())
     }
 
-    /// Rounded identity of a direction pair, equal for pairs that the material's symmetries identify.
-    fn place(&self, pair: DirectionPair) -> [i64; 6] {
-        let identity = if self.summary.isotropic { Isotropic::identity(pair) } else { Anisotropic::identity(pair) };
-        rounded(identity, SAME)
+    /// Identity of a direction pair, equal for pairs that the material's symmetries identify.
+    fn identity(&self, pair: DirectionPair) -> Identity {
+        if self.summary.isotropic { Isotropic::identity(pair) } else { Anisotropic::identity(pair) }
     }
 
     fn nearest<const D: usize, const S: usize, P: Space<D, S>>(
@@ -75,6 +81,49 @@ impl ScanSource {
         let of_row = |row: DirectionPair| distance(pair, row).min(distance(pair, row.exchanged()));
         let rows = found.iter().map(|item| self.pairs[tree.value_of[item.item as usize] as usize]);
         rows.map(of_row).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl ScanSource {
+    /// Mean difference of rows from the fit to the rows without their exchanged images, at exchanged directions, less the noise;
+    /// 0 if the fit to the other rows alone explains it.
+    fn difference_of_exchanged<const D: usize, const S: usize, const M: usize, P: Space<D, S>>(
+        &self,
+        tree: &Tree<S>,
+        distance: impl Fn(DirectionPair, DirectionPair) -> f64,
+    ) -> Option<f64> {
+        let images = tree.positions.iter().copied().zip(tree.value_of.iter().copied());
+        let measured = Tree::new(images.filter(|(at, _)| at[D] == 0.0).unzip());
+        let rows = self.rows(&measured);
+        let values = |logs: [f64; 3]| logs.map(|v| (v.exp() - self.bias).max(0.0));
+        let difference = |row: usize| {
+            let (own, pair) = (self.pairs[row], self.pairs[row].exchanged());
+            let is_low = [own.incoming, own.outgoing].into_iter().any(|v| polar(v).to_degrees() > MAX_POLAR);
+            if is_low || self.identity(own) == self.identity(pair) {
+                return None;
+            }
+            let (neighbourhood, nearest) = rows.around::<D, M, P>(pair, self.neighbours);
+            let nearest = nearest.map(|other| distance(pair, self.pairs[other])).fold(f64::INFINITY, f64::min);
+            if nearest.to_degrees() > NEAR {
+                return None;
+            }
+            let (fitted, own) = (values(neighbourhood.fit(3, &mut Tally::default())), values(rows.values[row]));
+            let sum = |of: fn(f64, f64) -> f64| (0..3).map(|c| of(own[c], fitted[c])).sum::<f64>();
+            let larger = sum(f64::max);
+            let difference = if larger > 0.0 { sum(|a, b| (a - b).abs()) / larger } else { 0.0 };
+            let residual = rows.fit_row::<D, M, P>(row, self.neighbours).residual;
+            let left_out = residual[..rows.channels].iter().map(|r| 1.0 - (-r.abs()).exp()).sum::<f64>();
+            Some((difference, left_out / rows.channels as f64))
+        };
+        let [least, most] = COMPARED;
+        let step = self.pairs.len().div_ceil(most);
+        let found: Vec<(f64, f64)> = (0..self.pairs.len()).step_by(step).filter_map(difference).collect();
+        let mean = |of: fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+        (found.len() >= least).then(|| {
+            let (difference, left_out) = (mean(|row| row.0), mean(|row| row.1));
+            let excess = difference - self.summary.noise;
+            if difference > LEFT_OUT * left_out { excess.max(0.0) } else { 0.0 }
+        })
     }
 }
 
@@ -117,6 +166,17 @@ impl Completion for ScanSource {
 
     fn repeats(&self) -> Option<Repeats> {
         self.repeats
+    }
+
+    fn exchanged(&self) -> Option<f64> {
+        match &self.points {
+            Points::Isotropic(tree) => {
+                self.difference_of_exchanged::<3, 4, { TERMS_3D }, Isotropic>(tree, isotropic_distance)
+            }
+            Points::Anisotropic(tree) => {
+                self.difference_of_exchanged::<4, 5, { TERMS_4D }, Anisotropic>(tree, distance)
+            }
+        }
     }
 
     fn rise(&self) -> Option<Rise> {
@@ -187,5 +247,24 @@ mod tests {
         }
         // Other values are measurements of their own.
         assert!(scan(1.01).fold_count(Parts::Incidences) > 3);
+    }
+
+    #[test]
+    fn reciprocity_is_checked_by_exchanged_rows() {
+        let exchanged = |value: fn(f64, f64) -> f64| {
+            let angles = (1..=6).flat_map(|i| (0..=10).flat_map(move |o| (0..12).map(move |a| [i, o, a])));
+            let angles: Vec<[f64; 3]> = angles
+                .map(|[i, o, a]| [10 * i, 6 * o, 30 * a].map(|degrees: i32| f64::from(degrees).to_radians()))
+                .collect();
+            let pairs: Vec<DirectionPair> =
+                angles.iter().map(|[i, o, a]| DirectionPair::from_angles(*i, 0.0, *o, *a)).collect();
+            let values: Vec<[f64; 3]> = angles.iter().map(|[i, o, _]| [value(i.cos(), o.cos()); 3]).collect();
+            ScanSource::of_pairs(&pairs, &values, true, &Strength::Neighbours(14)).unwrap().exchanged().unwrap()
+        };
+        assert_eq!(exchanged(|i, o| 0.1 + i * o), 0.0);
+        // As of an anisotropic material, and of values times a cosine.
+        assert!(exchanged(|i, _| 0.1 + 0.3 * i * i) > 0.1);
+        assert!(exchanged(|i, o| (0.1 + i * o) * o) > 0.1);
+        assert_eq!(scan(0.0).exchanged(), None);
     }
 }

@@ -1,12 +1,9 @@
 //! Merges rows that measured the same direction pair.
 
-/// Coordinates that round to the same multiple of this are equal.
-const SAME: f64 = 1e-6;
+use super::coordinates::Identity;
 
-/// Coordinates in units of a step.
-pub fn rounded<const N: usize>(coordinates: [f64; N], step: f64) -> [i64; N] {
-    coordinates.map(|c| (c / step).round() as i64)
-}
+/// Positions that round to the same multiple of this are in the order of their rows.
+const SAME: f64 = 1e-6;
 
 /// Rows of one direction pair.
 pub struct Group {
@@ -47,20 +44,15 @@ impl Group {
     }
 }
 
-/// Groups rows of (almost) equal identity, in the order of their positions.
-pub fn merge<const D: usize, const N: usize>(
-    identities: &[[f64; N]],
-    positions: &[[f64; D]],
-    values: &[[f64; 3]],
-) -> Vec<Group> {
-    let identity = |row: usize| rounded(identities[row], SAME);
+/// Groups rows of equal identity, in the order of their positions.
+pub fn merge<const D: usize>(identities: &[Identity], positions: &[[f64; D]], values: &[[f64; 3]]) -> Vec<Group> {
     let mut order: Vec<usize> = (0..identities.len()).collect();
-    order.sort_by_key(|row| (identity(*row), *row));
+    order.sort_by_key(|row| (identities[*row], *row));
     let mut groups: Vec<Group> = Vec::new();
     for row in order {
         let value = values[row];
         match groups.last_mut() {
-            Some(group) if identity(group.representative) == identity(row) => {
+            Some(group) if identities[group.representative] == identities[row] => {
                 group.count += 1.0;
                 for channel in 0..3 {
                     group.sum[channel] += value[channel];
@@ -71,6 +63,9 @@ pub fn merge<const D: usize, const N: usize>(
             _ => groups.push(Group { representative: row, sum: value, lowest: value, highest: value, count: 1.0 }),
         }
     }
-    groups.sort_by_key(|group| (rounded(positions[group.representative], SAME), group.representative));
+    groups.sort_by_key(|group| {
+        let place = positions[group.representative].map(|c| (c / SAME).round() as i64);
+        (place, group.representative)
+    });
     groups
 }

@@ -26,7 +26,7 @@ use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::alta::{self, AltaTable};
 use brdfc_readers::scan::{self, Row, Scan};
 use brdfc_readers::scan_csv;
-use coordinates::{Anisotropic, Isotropic, Space};
+use coordinates::{Anisotropic, Identity, Isotropic, Space};
 use incidence::Incidence;
 use merge::{Group, merge};
 use std::sync::OnceLock;
@@ -337,7 +337,7 @@ fn entries<const D: usize, const S: usize, P: Space<D, S>>(
     values: &[[f64; 3]],
 ) -> (Entries<S>, Vec<Group>) {
     let places: Vec<[f64; D]> = pairs.iter().map(|pair| P::place(*pair)).collect();
-    let identities: Vec<[f64; 6]> = pairs.iter().map(|pair| P::identity(*pair)).collect();
+    let identities: Vec<Identity> = pairs.iter().map(|pair| P::identity(*pair)).collect();
     let groups = merge(&identities, &places, values);
     let entries = groups
         .iter()

@@ -1,5 +1,6 @@
 //! The rise of rows towards the mirror direction and back to the light: whether they determine highlight and retroreflection.
 
+use super::coordinates::polar;
 use brdfc_core::source::{MAX_PEAK, MAX_RISE, PeakAt, Rise};
 use brdfc_formats::direction::{DirectionPair, Vector};
 use std::collections::BTreeMap;
@@ -15,11 +16,6 @@ const MIN_INCIDENCE_OF_RETRO: f64 = 15.0;
 const MAX_NEAREST_OF_RETRO: f64 = 5.0;
 /// Minimum number of rows of such a group.
 const MIN_ROWS: usize = 8;
-
-/// Polar angle of a direction, radians.
-pub(super) fn polar([x, y, z]: Vector) -> f64 {
-    x.hypot(y).atan2(z)
-}
 
 /// Compares the rows nearest to the mirror direction, and those nearest to the light, with the next ones at each polar angle of
 /// incidence, in steps of [`STEP`] degrees. Returns the angle at which the rows determine the peak least.

@@ -97,10 +97,10 @@ pub struct Rows<'a, const S: usize> {
 
 /// Fit at a row.
 #[derive(Debug, Clone, Copy)]
-struct RowFit {
+pub struct RowFit {
     value: [f64; 3],
     /// Left-out residual of each channel.
-    residual: [f64; 3],
+    pub residual: [f64; 3],
     /// Sum of squared shares of the other rows in the left-out fit: variance of its value for rows of unit variance.
     variance: f64,
 }
@@ -135,7 +135,7 @@ impl<const S: usize> Rows<'_, S> {
     }
 
     /// Fit to the neighbours of a row, which are itself and others.
-    fn fit_row<const D: usize, const M: usize, P: Space<D, S>>(&self, row: usize, neighbours: usize) -> RowFit {
+    pub fn fit_row<const D: usize, const M: usize, P: Space<D, S>>(&self, row: usize, neighbours: usize) -> RowFit {
         let (neighbourhood, rows) = self.around::<D, M, P>(self.pairs[row], neighbours);
         let fitted = neighbourhood.fit_with_shares(self.channels, true, &mut Tally::default());
         let (mut own, mut squares) = (0.0, 0.0);

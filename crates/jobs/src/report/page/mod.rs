@@ -54,7 +54,7 @@ pub struct PageEntry<'a> {
     /// or source.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment_delta_e: Option<f64>,
-    /// Part of it that the noise of the integral causes by itself.
+    /// Mean ΔE that the noise of the integral alone causes. Both do not add up: errors are independent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment_noise: Option<f64>,
 }
