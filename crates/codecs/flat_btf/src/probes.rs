@@ -145,3 +145,21 @@ pub fn direct_radiance(
 pub fn difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     f64::from(distance_squared(lab(a), lab(b))).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values above 1 look white, however they differ.
+    #[test]
+    fn black_and_white_probes_show_nothing() {
+        let errors = |truth: fn(usize) -> f32| {
+            let pairs: Vec<_> = (0..2000).map(|probe| ([truth(probe); 3], [0.5; 3])).collect();
+            ColourErrors::new(&pairs)
+        };
+        assert!(errors(|probe| 1.5 + 0.01 * probe as f32).show_nothing());
+        assert!(errors(|probe| if probe == 0 { 0.5 } else { 0.0 }).show_nothing());
+        assert!(!errors(|probe| if probe < 2 { 0.5 } else { 0.0 }).show_nothing());
+        assert!(ColourErrors::new(&[]).show_nothing());
+    }
+}
