@@ -127,7 +127,8 @@ pub trait Completion: Sync {
     fn repeats(&self) -> Option<Repeats>;
 
     /// Mean difference of samples from the fit to the others, with light and viewer exchanged, as a fraction of the larger value,
-    /// less the estimated noise: 0 for reciprocal reflectance, or within the error of the fit. `None` if too few exchanged samples are near others.
+    /// less the estimated noise: 0 for reciprocal reflectance, and for differences that the error of the fit explains. `None` if too
+    /// few exchanged samples are near others.
     fn exchanged(&self) -> Option<f64>;
 
     /// Rise of the samples towards the mirror direction or back to the light; `None` if too few are near them.

@@ -199,7 +199,7 @@ impl FitError {
             let difference = 100.0 * exchanged;
             return Some(format!(
                 "with light and viewer exchanged, samples differ by {difference:.0} % on average: the material is anisotropic and was \
-                 measured from one azimuth, or the values are not a BRDF (multiplied by a cosine?)"
+                 measured from one azimuth, or values or angles are wrong (values times a cosine? an offset of angles?)"
             ));
         }
         if let Some(rise) = self.rise.filter(|rise| rise.peak > MAX_PEAK || rise.ratio > MAX_RISE) {

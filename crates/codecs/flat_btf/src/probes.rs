@@ -32,7 +32,9 @@ impl ColourErrors {
         let mut differences: Vec<f64> = pairs.par_iter().map(|(truth, found)| difference(*truth, *found)).collect();
         differences.sort_by(f64::total_cmp);
         let mut shown = Shown::default();
-        let count = pairs.iter().filter(|(truth, _)| shown.add(truth.map(f64::from))).count();
+        for (truth, _) in pairs {
+            shown.add(truth.map(f64::from));
+        }
         let samples = differences.len();
         let at = |share: f64| differences.get(((samples as f64 * share) as usize).min(samples.max(1) - 1));
         let mean = differences.iter().sum::<f64>() / samples.max(1) as f64;
@@ -41,7 +43,7 @@ impl ColourErrors {
             mean,
             p95: at(0.95).copied().unwrap_or(0.0),
             max: differences.last().copied().unwrap_or(0.0),
-            shown: count,
+            shown: shown.count,
         }
     }
 

@@ -181,8 +181,10 @@ pub fn nothing_shown(image: &LinearImage, exposure: f64) -> Option<String> {
     };
     let is_lit = |pixel: [f64; 3]| pixel.iter().any(|value| *value > 0.0);
     let mut shown = Shown::default();
-    let count = on_surfaces().filter(|pixel| shown.add(*pixel)).count();
-    let (of, needed) = (shown.of, shown.needed());
+    for pixel in on_surfaces() {
+        shown.add(pixel);
+    }
+    let (count, of, needed) = (shown.count, shown.of, shown.needed());
     if !on_surfaces().any(is_lit) {
         Some("no light: all surfaces are black".to_owned())
     } else if count < needed {

@@ -107,8 +107,9 @@ impl ScanSource {
             if nearest.to_degrees() > NEAR {
                 return None;
             }
-            let (fitted, own) = (values(neighbourhood.fit(3, &mut Tally::default())), values(rows.values[row]));
-            let sum = |of: fn(f64, f64) -> f64| (0..3).map(|c| of(own[c], fitted[c])).sum::<f64>();
+            let (fitted, own) =
+                (values(neighbourhood.fit(rows.channels, &mut Tally::default())), values(rows.values[row]));
+            let sum = |of: fn(f64, f64) -> f64| (0..rows.channels).map(|c| of(own[c], fitted[c])).sum::<f64>();
             let larger = sum(f64::max);
             let difference = if larger > 0.0 { sum(|a, b| (a - b).abs()) / larger } else { 0.0 };
             let residual = rows.fit_row::<D, M, P>(row, self.neighbours).residual;

@@ -125,9 +125,15 @@ fn separators_of_thousands_do_not_change_values() {
     let error = scan_csv::from_bytes(text.as_bytes()).map(drop).unwrap_err().to_string();
     assert!(error.contains("1,234.5"), "{error}");
     // Where commas may be decimal marks, a decimal point tells them from separators.
-    let text = "theta_i;phi_i;theta_o;phi_o;r;g;b\n0.5;0;0.7;3;1,134;2;3\n";
-    let error = scan_csv::from_bytes(text.as_bytes()).map(drop).unwrap_err().to_string();
-    assert!(error.contains("\"1,134\" after numbers with decimal points"), "{error}");
+    for (row, expected) in [
+        ("0.5;0;0.7;3;1,134;2;3", "\"1,134\" after numbers with decimal points"),
+        ("0,5;0;0,7;3;1.134;2;3", "\"1.134\" after numbers with decimal commas"),
+        ("1.234,5;0;1;3;1;2;3", "\"1.234,5\" with a point and a comma"),
+    ] {
+        let text = format!("theta_i;phi_i;theta_o;phi_o;r;g;b\n{row}\n");
+        let error = scan_csv::from_bytes(text.as_bytes()).map(drop).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
 }
 
 /// meta-sampling 1: a cell counts as invalid if any of its channels is negative, not only the red one.
