@@ -105,6 +105,24 @@ pub enum PeakAt {
     Viewer,
 }
 
+/// Samples at a detector's limit: direction pairs, not counting symmetric ones, with exactly the largest value of a channel.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Saturation {
+    /// The largest value, 1/sr.
+    pub value: f64,
+    /// Number of direction pairs with this value in the channel that has most of them.
+    pub pairs: usize,
+}
+
+/// Values that are multiples of one number, as of a file with few decimals.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Rounding {
+    /// The number, 1/sr.
+    pub step: f64,
+    /// Mean error of rounding as a fraction of the value, over all values above 0: a quarter of the step.
+    pub error: f64,
+}
+
 /// Maximum peak over the nearest samples of a highlight that samples determine.
 pub const MAX_PEAK: f64 = 2.5;
 /// Maximum ratio of the nearest and the next samples: above it the width of the highlight is unknown, even if a sample
@@ -113,7 +131,7 @@ pub const MAX_RISE: f64 = 30.0;
 
 /// The samples that a source is completed from.
 pub trait Completion: Sync {
-    /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence.
+    /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence, or if none are held out.
     fn fold_count(&self, parts: Parts) -> usize;
 
     /// A fold by its number; `None` if too few samples remain to complete a source.
@@ -133,4 +151,10 @@ pub trait Completion: Sync {
 
     /// Rise of the samples towards the mirror direction or back to the light; `None` if too few are near them.
     fn rise(&self) -> Option<Rise>;
+
+    /// Samples at a detector's limit; `None` without any.
+    fn saturation(&self) -> Option<Saturation>;
+
+    /// Rounding of the values; `None` if they have no common step.
+    fn rounding(&self) -> Option<Rounding>;
 }

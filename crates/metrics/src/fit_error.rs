@@ -5,7 +5,7 @@ use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
 use super::sampling::PairSet;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, PeakAt, Repeats, Rise};
+use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, PeakAt, Repeats, Rise, Rounding, Saturation};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
@@ -26,6 +26,8 @@ pub const MAX_SPREAD: f64 = 0.5;
 const MANY_REPEATS: f64 = 0.1;
 /// Samples contradict reciprocity above this mean difference of exchanged ones.
 pub const MAX_EXCHANGED: f64 = 0.05;
+/// Maximum mean error of rounding, as a fraction of the value: about ΔE 1.
+pub const MAX_ROUNDING: f64 = 0.02;
 /// Each held-out incidence doubles a gap. If the error grows with the square of the gap, the error becomes four times
 /// as large, and each gap is doubled from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
@@ -61,6 +63,12 @@ pub struct FitError {
     pub exchanged: Option<f64>,
     /// Rise of the samples towards the mirror direction; absent if too few are near it.
     pub rise: Option<Rise>,
+    /// Samples at a detector's limit; absent without any.
+    pub saturation: Option<Saturation>,
+    /// Rounding of the values; absent if they have no common step.
+    pub rounding: Option<Rounding>,
+    /// True if too few samples remain when some are held out.
+    pub too_few: bool,
 }
 
 /// Distances of direction pairs from the nearest sample.
@@ -149,6 +157,7 @@ impl FitError {
             samples: samples.map(|(error, _)| error),
             incidences: incidences.map(|(error, _)| error),
             delta_e,
+            too_few: delta_e.is_none() && completion.fold_count(Parts::Samples) > 0,
             ..Self::without_validation(completion, directions)
         })
     }
@@ -165,6 +174,9 @@ impl FitError {
             repeats: completion.repeats(),
             exchanged: completion.exchanged(),
             rise: completion.rise(),
+            saturation: completion.saturation(),
+            rounding: completion.rounding(),
+            too_few: false,
         }
     }
 
@@ -213,7 +225,20 @@ impl FitError {
                  to {nearest:.1}° off the {place} (half angles), and no sample is nearer"
             ));
         }
-        self.delta_e.is_none().then(|| "too few samples to hold any out".to_owned())
+        if let Some(Saturation { value, pairs }) = self.saturation {
+            // Single precision has the digits of measurements.
+            let value = value as f32;
+            return Some(format!(
+                "samples of {pairs} direction pairs have exactly the largest value, {value}: the detector was saturated, or values are cut off"
+            ));
+        }
+        if let Some(Rounding { step, error }) = self.rounding.filter(|rounding| rounding.error > MAX_ROUNDING) {
+            let error = 100.0 * error;
+            return Some(format!(
+                "values are rounded to multiples of {step}, which changes them by {error:.0} % on average"
+            ));
+        }
+        self.too_few.then(|| "too few samples to hold any out".to_owned())
     }
 
     /// Reason why the error of a pack is not meaningful: its error against the sampled material is larger. `pack` is
@@ -230,8 +255,6 @@ impl FitError {
 /// not completed from samples.
 pub fn undetermined(source: &dyn Source, directions: DirectionRange) -> Option<String> {
     let fit = FitError::without_validation(source.completion()?, directions);
-    // Without validation this is unknown, which is not a lack of samples.
-    let fit = FitError { delta_e: Some(0.0), ..fit };
     fit.gaps().or_else(|| fit.extrapolation())
 }
 

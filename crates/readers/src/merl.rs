@@ -163,6 +163,8 @@ pub struct Merl {
     pub values: Vec<[f32; 3]>,
     /// Number of cells with a measurement, at least 1.
     pub valid_cells: usize,
+    /// Number of cells above the horizon without one.
+    pub missing_cells: usize,
 }
 
 impl Merl {
@@ -183,7 +185,7 @@ impl Merl {
         let cells = dimensions.cells();
         let mut values: Vec<[f32; 3]> = memory::reserved("table", cells)?;
         let mut buffer = vec![0u8; 8 * BLOCK.min(cells)];
-        let mut valid_cells = 0;
+        let (mut valid_cells, mut missing_cells) = (0, 0);
         let is_above = dimensions.above_horizon();
         for block in 0..cells.div_ceil(BLOCK) {
             values.resize(cells.min((block + 1) * BLOCK), [0.0; 3]);
@@ -204,8 +206,10 @@ impl Merl {
                 }
             }
             for (cell, value) in block_values.iter_mut().enumerate() {
-                if value.iter().any(|v| v.is_nan()) || !is_above(block * BLOCK + cell) {
+                let is_above = is_above(block * BLOCK + cell);
+                if !is_above || value.iter().any(|v| v.is_nan()) {
                     *value = [f32::NAN; 3];
+                    missing_cells += usize::from(is_above);
                 } else {
                     valid_cells += 1;
                 }
@@ -220,7 +224,7 @@ impl Merl {
             .problem()
             .into());
         }
-        Ok(Self { dimensions, values, valid_cells })
+        Ok(Self { dimensions, values, valid_cells, missing_cells })
     }
 
     /// Reads from bytes in memory.

@@ -4,10 +4,12 @@ use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
 use super::read::{MAX_FILE_BYTES, check_length};
+use super::scan::{isotropic_distance, rise_to_peaks, saturation};
 use super::smooth::{Axis, Grid, Smoothed, smooth};
 use brdfc_core::Describe;
 use brdfc_core::half_difference::HalfDifference;
 use brdfc_core::pair_list::PairBlock;
+use brdfc_core::source::{Completion, Fold, Parts, Repeats, Rise, Rounding, Saturation};
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::merl::{self, Merl, MerlError};
@@ -15,6 +17,13 @@ use std::sync::OnceLock;
 
 /// Largest relative difference between a cell and its image that counts as rounding in a symmetric file.
 const SYMMETRY_TOLERANCE: f32 = 1e-5;
+
+/// Share of cells above the horizon without a measurement from which the gaps of a table are looked for.
+const GAPS: f64 = 1e-3;
+/// Step of the angles `θ_d` and `φ_d` from which a table's cells are looked at as samples, radians.
+const COARSE: f64 = 0.1;
+/// Maximum number of azimuths that are compared for the rise to the mirror direction.
+const AZIMUTHS: usize = 16;
 
 /// Facts about a MERL table.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -77,6 +86,7 @@ fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, Input
 pub struct MerlSource {
     table: Merl,
     symmetry: Symmetry,
+    saturation: Option<Saturation>,
     nearest: OnceLock<Vec<u32>>,
 }
 
@@ -91,7 +101,10 @@ impl MerlSource {
             mirror: table.is_mirror_symmetric(SYMMETRY_TOLERANCE),
             reciprocal: table.is_reciprocal(SYMMETRY_TOLERANCE),
         };
-        Self { table, symmetry, nearest: OnceLock::new() }
+        let n = table.dimensions;
+        let saturation =
+            saturation(n.cells(), |cell| table.values[cell].map(f64::from), |cell| pair_of_cell(&table, cell));
+        Self { table, symmetry, saturation, nearest: OnceLock::new() }
     }
 
     /// Table that was read; NaN in cells without a valid measurement.
@@ -116,10 +129,73 @@ impl Source for MerlSource {
     fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
+
+    /// Tables with gaps, coarse ones and saturated ones are as doubtful as scans are.
+    fn completion(&self) -> Option<&dyn Completion> {
+        let n = self.table.dimensions;
+        let gaps = self.table.missing_cells as f64 > GAPS * n.cells() as f64;
+        let [_, difference, azimuth] = n.sample_angles(0, 1, 1);
+        (gaps || difference.max(azimuth) > COARSE || self.saturation.is_some()).then_some(self)
+    }
+}
+
+/// The cells as samples. None are held out: their number and their spacing are those of the layout.
+impl Completion for MerlSource {
+    fn fold_count(&self, _: Parts) -> usize {
+        0
+    }
+
+    fn fold(&self, _: Parts, _: usize) -> Option<Fold> {
+        None
+    }
+
+    fn distance(&self, pair: DirectionPair) -> f64 {
+        let corners = self.corners_at(HalfDifference::of(pair)).map(|(cell, _)| cell);
+        let distance = |cell: usize| {
+            let sample = pair_of_cell(&self.table, cell);
+            isotropic_distance(pair, sample).min(isotropic_distance(pair, sample.exchanged()))
+        };
+        let valid = corners.into_iter().filter(|cell| !self.table.values[*cell][0].is_nan());
+        let nearest = valid.map(distance).reduce(f64::min);
+        nearest.unwrap_or_else(|| distance(self.nearest_valid(corners[0])))
+    }
+
+    fn repeats(&self) -> Option<Repeats> {
+        None
+    }
+
+    fn exchanged(&self) -> Option<f64> {
+        None
+    }
+
+    fn rise(&self) -> Option<Rise> {
+        let n = self.table.dimensions;
+        let step = n.phi_difference.div_ceil(AZIMUTHS);
+        let cells = (0..n.cells()).filter(|cell| (cell % n.phi_difference).is_multiple_of(step));
+        let valid = cells.filter(|cell| !self.table.values[*cell][0].is_nan());
+        let luminance = |cell: usize| self.table.values[cell].iter().map(|v| f64::from(*v)).sum();
+        rise_to_peaks(valid.map(|cell| (pair_of_cell(&self.table, cell), luminance(cell))))
+    }
+
+    fn saturation(&self) -> Option<Saturation> {
+        self.saturation
+    }
+
+    fn rounding(&self) -> Option<Rounding> {
+        None
+    }
+}
+
+fn pair_of_cell(table: &Merl, cell: usize) -> DirectionPair {
+    let n = table.dimensions;
+    let (ring, k) = (cell / n.phi_difference, cell % n.phi_difference);
+    n.pair(ring / n.theta_difference, ring % n.theta_difference, k)
 }
 
 impl MerlSource {
-    fn at(&self, place: HalfDifference, tally: &mut Tally) -> [f64; 3] {
+    /// The eight cells around a place, with their weights.
+    #[inline]
+    fn corners_at(&self, place: HalfDifference) -> [(usize, f64); 8] {
         let n = self.table.dimensions;
         let HalfDifference { half_root, difference_share, phi_difference } = place;
         let h = edge_position(half_root * n.theta_half as f64, n.theta_half);
@@ -128,21 +204,6 @@ impl MerlSource {
         let azimuth = (turns - turns.floor()) * n.phi_difference as f64;
         let k0 = (azimuth as usize).min(n.phi_difference - 1);
         let k = (k0, if k0 + 1 == n.phi_difference { 0 } else { k0 + 1 }, azimuth - k0 as f64);
-
-        let corners = self.corners(h, d, k);
-        let mut sum = [0.0; 3];
-        for (cell, weight) in corners {
-            let value = self.table.values[cell];
-            (0..3).for_each(|channel| sum[channel] += weight * f64::from(value[channel]));
-        }
-        // A NaN makes the sum NaN.
-        if sum[0].is_nan() { self.repaired(&corners, tally) } else { sum }
-    }
-
-    /// The eight cells around a position, with their weights.
-    #[inline]
-    fn corners(&self, h: Edge, d: Edge, k: Edge) -> [(usize, f64); 8] {
-        let n = self.table.dimensions;
         let mut corners = [(0, 0.0); 8];
         for (a, (i, wi)) in [(h.0, 1.0 - h.2), (h.1, h.2)].into_iter().enumerate() {
             for (b, (j, wj)) in [(d.0, 1.0 - d.2), (d.1, d.2)].into_iter().enumerate() {
@@ -153,6 +214,17 @@ impl MerlSource {
             }
         }
         corners
+    }
+
+    fn at(&self, place: HalfDifference, tally: &mut Tally) -> [f64; 3] {
+        let corners = self.corners_at(place);
+        let mut sum = [0.0; 3];
+        for (cell, weight) in corners {
+            let value = self.table.values[cell];
+            (0..3).for_each(|channel| sum[channel] += weight * f64::from(value[channel]));
+        }
+        // A NaN makes the sum NaN.
+        if sum[0].is_nan() { self.repaired(&corners, tally) } else { sum }
     }
 
     /// Mean of the valid cells, or else the nearest valid one. Cells without weight do not count as missing.
@@ -177,14 +249,13 @@ impl MerlSource {
             return sum.map(|s| s / valid);
         }
         tally.nearest_valid += 1;
-        self.nearest_valid(corners[0].0)
+        self.table.values[self.nearest_valid(corners[0].0)].map(f64::from)
     }
 
     /// The valid cell nearest to a cell in steps along the axes; ties go to the cell reached first. For pairs above the
     /// horizon whose eight cells are all invalid. They are rare, so the map is built at first use.
-    fn nearest_valid(&self, cell: usize) -> [f64; 3] {
-        let nearest = self.nearest.get_or_init(|| nearest_valid_cells(&self.table));
-        self.table.values[nearest[cell] as usize].map(f64::from)
+    fn nearest_valid(&self, cell: usize) -> usize {
+        self.nearest.get_or_init(|| nearest_valid_cells(&self.table))[cell] as usize
     }
 }
 

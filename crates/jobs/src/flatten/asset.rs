@@ -26,6 +26,9 @@ pub struct AssetFile {
     pub settings: Settings,
     /// Measurements that the encoder made: sizes, errors and repairs.
     pub report: AssetReport,
+    /// Notes on images that are black or white everywhere, and on values at the end of the scale.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub exposure: Vec<String>,
     /// Facts about the trees; only for the reflectance `pwt`.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub trees: Option<PwtFacts>,

@@ -45,7 +45,7 @@ pub(super) fn write_flat(
             files.write_images(&field, |never| match never {}, progress)?;
         }
         Values::Measured(stack) => {
-            let images = StackImages(stack);
+            let images = StackImages::new(stack);
             let field = MeasuredField { images: &images, texels: &texels, views: &views };
             files.write_images(&field, |error| error, progress)?;
         }

@@ -2,6 +2,7 @@
 
 use crate::btf_stack::{StackFormat, write_image};
 use crate::error::Error;
+use crate::exposure::Exposures;
 use crate::outputs::Failed;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::FlattenRecipe;
@@ -14,18 +15,37 @@ use brdfc_readers::btf_stack::ImageAngles;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use rayon::prelude::*;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Rays per texel and axis of computed images.
 const RAYS: usize = 2;
 
 /// Images from a folder, or decoded from a file's matrices.
-pub(super) struct StackImages<'a>(pub(super) &'a OrdinaryBtf);
+pub(super) struct StackImages<'a> {
+    btf: &'a OrdinaryBtf,
+    exposures: Mutex<Exposures>,
+}
+
+impl<'a> StackImages<'a> {
+    pub(super) fn new(btf: &'a OrdinaryBtf) -> Self {
+        Self { btf, exposures: Mutex::default() }
+    }
+
+    /// Exposures of the images that were read.
+    pub(super) fn exposures(&self) -> Exposures {
+        self.exposures.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
 
 impl ViewImages for StackImages<'_> {
     type Error = Error;
 
     fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, Error> {
-        let image = self.0.image(view, light)?;
+        let image = self.btf.image(view, light)?;
+        let mut of_image = Exposures::default();
+        of_image.add([view, light], image.pixels.iter().copied());
+        let mut exposures = self.exposures.lock().unwrap_or_else(PoisonError::into_inner);
+        exposures.merge(of_image);
         Ok(TileImage { width: image.width, height: image.height, pixels: image.pixels })
     }
 }

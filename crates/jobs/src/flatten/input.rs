@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::report::fit::Reliability;
 use brdfc_core::address::SYNTH_PREFIX;
 use brdfc_core::progress::Progress;
-use brdfc_core::words::one_of;
+use brdfc_core::words::{one_of, percent};
 use brdfc_core::{PackSource, Source};
 use brdfc_flat_btf::mesh::{MAX_MATERIALS, PeriodicMesh};
 use brdfc_flat_btf::structures::Structure;
@@ -221,12 +221,39 @@ fn open_observed(
     };
     let sources = materials.iter().map(opened).collect::<Result<_, _>>()?;
     let colour = options.colour.as_ref().map(open_colours).transpose()?;
-    let weights = options.weights.as_ref().map(open_shares).transpose()?;
+    let weights = options.weights.as_ref().map(|input| open_weights(input, materials.len())).transpose()?;
     let of_colour = colour.as_ref().map(|image| ("colour", image.conversions.clone()));
     let of_weights = weights.as_ref().map(|image| ("weights", image.conversions.clone()));
     let images = [of_colour, of_weights].into_iter().flatten();
     let images = images.map(|(image, conversions)| ImageFacts { image, conversions }).collect();
     Ok((Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) }, images))
+}
+
+/// Reads an image of weights of some materials.
+///
+/// # Errors
+/// Returns an error for a file that cannot be read, and for channels that are no weights: equal ones, and alpha of 1 everywhere.
+fn open_weights(input: &Input, materials: usize) -> Result<FileImage<4>, Error> {
+    let mut image = open_shares(input)?;
+    let refused = |found: &str| {
+        let channels = ["red", "green", "blue", "alpha"][..materials.min(4)].join(", ");
+        Err(Error::input(format!(
+            "{input}: weights: found {found}; expected the weights of {materials} materials in {channels}"
+        )))
+    };
+    let pixels = &image.pixels;
+    if pixels.iter().all(|[r, g, b, _]| r == g && g == b) {
+        return refused("a grey image, which has the same weight for all materials");
+    }
+    if materials == 4 && pixels.iter().all(|pixel| pixel[3] >= 1.0) {
+        return refused("alpha of 1 everywhere, as of an image without weights in it");
+    }
+    let empty = pixels.iter().filter(|pixel| pixel[..materials.min(4)].iter().sum::<f32>() <= 0.0).count();
+    if empty > 0 {
+        let share = percent(empty as f64 / pixels.len() as f64);
+        image.conversions.push(format!("{share} of the texels have no weight: they are of the first material"));
+    }
+    Ok(image)
 }
 
 fn tile_image<const N: usize>(FileImage { width, height, pixels, .. }: FileImage<N>) -> TileImage<N> {

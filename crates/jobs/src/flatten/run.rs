@@ -58,13 +58,10 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
     let Geometry { mesh, weld, name: source, input, .. } = geometry;
     let staging = Staging::new(job.folder).map_err(|error| Error::write(job.folder, &error))?;
     let scratch = FolderScratch::new(staging.path().to_owned(), job.folder);
-    let images;
+    let mut images = None;
     let values = match &texels {
         Values::Computed(appearance) => ValueSource::Computed(appearance),
-        Values::Measured(stack) => {
-            images = StackImages(stack);
-            ValueSource::Measured(&images)
-        }
+        Values::Measured(stack) => ValueSource::Measured(images.insert(StackImages::new(stack))),
     };
     let flat = FlatInput { mesh, repairs: weld, values };
     let encoded = if job.recipe.reflectance == Reflectance::Pwt {
@@ -100,6 +97,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         },
         settings: Settings::new(job.recipe, job.supercompress),
         report: encoded.report,
+        exposure: images.map_or(Vec::new(), |images| images.exposures().notes()),
         trees: encoded.decoder.parts().reflectance.trees().map(|trees| PwtFacts::new(trees.pack())),
     };
     let mut file = FlatBtfFile::new(encoded.decoder).map_err(Error::input)?;

@@ -26,6 +26,7 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
     if let Some(unseen) = asset.unseen().filter(|unseen| *unseen > 0.0) {
         lines.push(format!("no view sees {} of the texels", percent(unseen)));
     }
+    lines.extend(asset.exposure.iter().cloned());
     let layers = asset.report.layers.unwrap_or_default();
     let share = |lines: u32| percent(f64::from(lines) * 1e-6);
     if layers.simplified >= FEW_LINES {

@@ -4,7 +4,8 @@
 use super::limits::{MAX_BYTES, check_amount, check_linear, refused};
 use super::views::{ViewChoice, all_flat_views, all_views};
 use crate::error::Error;
-use brdfc_core::words::{counted, counted_of, join_truncated};
+use crate::exposure::Exposures;
+use brdfc_core::words::{counted, join_truncated};
 use brdfc_formats::Pack;
 use brdfc_formats::direction::Vector;
 use brdfc_formats::flat_btf::unit_vectors;
@@ -146,7 +147,7 @@ impl LightInput {
     /// Notes about photographs: what was left out, and what has nothing to fit.
     pub fn notes(&self) -> Vec<String> {
         let Self::Photographs(samples, about) = self else { return Vec::new() };
-        about.notes.iter().cloned().chain(exposure_notes(samples)).collect()
+        about.notes.iter().cloned().chain(exposures(samples).notes()).collect()
     }
 
     /// Colour of the code values of photographs in files, and how they are converted.
@@ -174,24 +175,21 @@ pub fn any_above_white(samples: &LightSamples) -> bool {
     samples.images.par_iter().any(is_bright)
 }
 
-/// Lights whose photograph is black or white everywhere.
-fn uniform(samples: &LightSamples) -> [(&'static str, Vec<usize>); 2] {
-    [("black", 0.0..=0.0), ("white", 1.0..=f32::INFINITY)].map(|(name, values)| {
-        let is_uniform = |light: &usize| {
-            let image = &samples.images[*light];
-            (0..image.len()).all(|at| image.pixel(at).iter().all(|c| values.contains(c)))
-        };
-        (name, (0..samples.images.len()).into_par_iter().filter(is_uniform).collect())
-    })
-}
-
-/// Notes about photographs that are black or white everywhere.
-fn exposure_notes(samples: &LightSamples) -> impl Iterator<Item = String> {
-    let all = samples.images.len();
-    uniform(samples)
-        .into_iter()
-        .filter(|(_, lights)| !lights.is_empty())
-        .map(move |(name, lights)| format!("{}: {name} everywhere", counted_of(lights.len(), all, "photograph")))
+/// Exposures of all photographs, of each view by itself.
+fn exposures(samples: &LightSamples) -> Exposures {
+    let texels = samples.view_size().iter().product::<usize>().max(1);
+    let of_light = |light: usize| {
+        let image = &samples.images[light];
+        let mut of_light = Exposures::default();
+        for view in 0..image.len() / texels {
+            of_light.add([view, light], (view * texels..(view + 1) * texels).map(|at| image.pixel(at)));
+        }
+        of_light
+    };
+    let of_lights: Vec<Exposures> = (0..samples.images.len()).into_par_iter().map(of_light).collect();
+    let mut all = Exposures::default();
+    of_lights.into_iter().for_each(|one| all.merge(one));
+    all
 }
 
 /// Number of lights under which a map is rendered: fewer if it is large.
@@ -258,12 +256,13 @@ fn photographs(path: &Path, codes: Option<CodeValues>) -> Result<(LightSamples, 
     let stack = RtiCapture::open_as(path, codes)?;
     let samples = samples_of_capture(path, &stack)?;
     let mut notes = stack.notes().to_vec();
-    let all = uniform(&samples);
-    let left_out: Vec<usize> = all.iter().flat_map(|(_, lights)| lights).copied().collect();
+    let all = exposures(&samples).uniform();
+    let left_out: Vec<usize> = all.iter().flat_map(|(_, places)| places).map(|[_, light]| *light).collect();
     // A flash that failed, or a lens cap: such a photograph predicts no light.
     let left_out = if left_out.len() == samples.lights.len() { Vec::new() } else { left_out };
     for (name, lights) in all.iter().filter(|(_, lights)| !lights.is_empty() && !left_out.is_empty()) {
-        let file = |light: &usize| stack.file(*light).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let file =
+            |[_, light]: &[usize; 2]| stack.file(*light).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let files: Vec<String> = lights.iter().map(file).collect();
         let (count, files) = (counted(lights.len(), "light"), join_truncated(&files, MAX_NAMED));
         notes.push(format!("left out {count}, whose photograph is {name} everywhere: {files}"));

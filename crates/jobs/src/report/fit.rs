@@ -111,7 +111,7 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, source: &Reliability, found
     if let Some(limit) = limits.error {
         let allowed = at_most(&percent(limit));
         let result = match (fit.error(), &extrapolation) {
-            (None, _) => ("no held-out samples: there are too few".to_owned(), allowed, false),
+            (None, _) => ("no samples can be held out".to_owned(), allowed, false),
             (Some(found), Some(problem)) if found <= limit => {
                 (format!("{}, extrapolated: {problem}", percent(found)), or_trusted(&allowed), false)
             }
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::encode::{PackRecipe, encode};
     use crate::report::material::MaterialReport;
-    use brdfc_core::source::{PeakAt, Rise};
+    use brdfc_core::source::{PeakAt, Rise, Rounding, Saturation};
     use brdfc_metrics::fit_error::Gaps;
     use brdfc_source::open::open;
 
@@ -224,6 +224,9 @@ mod tests {
         ball: Gaps { farthest: 8.0, uncovered: 0.0 },
         test_directions: Gaps { farthest: 9.0, uncovered: 0.02 },
         repeats: None,
+        saturation: None,
+        rounding: None,
+        too_few: false,
     };
 
     /// The report of a pack with a ΔE of 0.4 and ε_r of 4 %, of a scan with this fit.
@@ -278,7 +281,10 @@ mod tests {
             (FitError { rise: rise(4.0, 5.0), ..GOOD }, true),
             (FitError { rise: rise(99.0, 1.2), ..GOOD }, true),
             (FitError { rise: rise(4.0, 1.2), ..GOOD }, false),
-            (FitError { samples: None, incidences: None, delta_e: None, ..GOOD }, true),
+            (FitError { saturation: Some(Saturation { value: 0.5, pairs: 9 }), ..GOOD }, true),
+            (FitError { rounding: Some(Rounding { step: 0.01, error: 0.03 }), ..GOOD }, true),
+            (FitError { rounding: Some(Rounding { step: 0.01, error: 0.01 }), ..GOOD }, false),
+            (FitError { samples: None, incidences: None, delta_e: None, too_few: true, ..GOOD }, true),
         ] {
             assert_eq!(!failed(fit, FitLimits::default(), Some(100.0), None).is_empty(), fails, "{fit:?}");
             let trusted = FitLimits { trusted: true, ..FitLimits::default() };

@@ -6,7 +6,7 @@ use super::strength::Strength;
 use super::{Points, ScanSource, Tree};
 use crate::scan::coordinates::{Anisotropic, Identity, Isotropic, Space, polar};
 use brdfc_core::Tally;
-use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats, Rise};
+use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats, Rise, Rounding, Saturation};
 use brdfc_formats::direction::{DirectionPair, dot};
 use kiddo::SquaredEuclidean;
 use std::collections::BTreeMap;
@@ -184,6 +184,14 @@ impl Completion for ScanSource {
         let luminance = |value: &[f64; 3]| value.iter().map(|v| (v.exp() - self.bias).max(0.0)).sum::<f64>();
         rise_to_peaks(self.pairs.iter().copied().zip(self.measured.iter().map(luminance)))
     }
+
+    fn saturation(&self) -> Option<Saturation> {
+        self.saturation
+    }
+
+    fn rounding(&self) -> Option<Rounding> {
+        self.rounding
+    }
 }
 
 /// Number of folds for `count` rows or incidences.
@@ -200,7 +208,7 @@ fn distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
 /// Angle between a direction pair and a sample of an isotropic, mirror-symmetric material: the larger of the angles
 /// between lights and between viewers, with the sample rotated so that one of them is in the same plane with the
 /// normal.
-fn isotropic_distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
+pub(crate) fn isotropic_distance(pair: DirectionPair, sample: DirectionPair) -> f64 {
     let turn = |pair: DirectionPair| {
         let [a, b] = [pair.incoming, pair.outgoing].map(|v| v[1].atan2(v[0]));
         let turns = (b - a).rem_euclid(TAU);

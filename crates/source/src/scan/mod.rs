@@ -10,15 +10,19 @@ mod merge;
 mod rise;
 mod strength;
 mod summary;
+mod values;
 
 pub use facts::{AltaHeader, ScanFacts};
+pub(crate) use folds::isotropic_distance;
+pub(crate) use rise::rise_to_peaks;
 pub use summary::ScanSummary;
+pub(crate) use values::saturation;
 
 use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::{Input, InputFile, Reading};
 use brdfc_core::StrayRows;
-use brdfc_core::source::{Completion, Repeats};
+use brdfc_core::source::{Completion, Repeats, Rounding, Saturation};
 use brdfc_core::words::counted;
 use brdfc_core::{Smooth, Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
@@ -31,6 +35,7 @@ use incidence::Incidence;
 use merge::{Group, merge};
 use std::sync::OnceLock;
 use strength::{LEAST_NOISE, Rows, Smoothed, Strength, Tree};
+use values::rounding;
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
@@ -127,6 +132,8 @@ pub struct ScanSource {
     bias: f64,
     grey: bool,
     repeats: Option<Repeats>,
+    saturation: Option<Saturation>,
+    rounding: Option<Rounding>,
     /// Index of the incidence of each pair, and the number of incidences; computed by the first cross-validation.
     incidences: OnceLock<(Vec<usize>, usize)>,
     summary: ScanSummary,
@@ -197,7 +204,8 @@ impl ScanSource {
             let allowed = format!("1 to {}, the number of distinct direction pairs", source.pairs.len());
             return Err(FormatError::whole("neighbours", count.to_string(), allowed));
         }
-        Ok(Self { summary: ScanSummary { negative, ..source.summary }, ..source })
+        let (saturation, rounding) = (saturation(raised.len(), |row| raised[row], |row| pairs[row]), rounding(&raised));
+        Ok(Self { saturation, rounding, summary: ScanSummary { negative, ..source.summary }, ..source })
     }
 
     /// Creates a source from direction pairs with values of 0 or more.
@@ -243,8 +251,20 @@ impl ScanSource {
         let pairs: Vec<DirectionPair> = groups.iter().map(|group| pairs[group.representative]).collect();
         let neighbours = if isotropic { fit::NEIGHBOURS_3D } else { fit::NEIGHBOURS_4D };
         let incidences = OnceLock::new();
-        let mut source =
-            Self { points, pairs, measured, smoothed: None, neighbours, bias, grey, repeats, incidences, summary };
+        let mut source = Self {
+            points,
+            pairs,
+            measured,
+            smoothed: None,
+            neighbours,
+            bias,
+            grey,
+            repeats,
+            saturation: None,
+            rounding: None,
+            incidences,
+            summary,
+        };
         source.smooth(strength);
         Ok(source)
     }

@@ -7,8 +7,11 @@ use std::collections::BTreeMap;
 
 /// Width of the groups of incidences in which rows near the mirror direction are compared, degrees.
 const STEP: f64 = 5.0;
-/// Maximum polar angle of incidence of these groups, degrees; viewers may be 15 degrees lower.
-const MAX_INCIDENCE: f64 = 62.5;
+/// Maximum polar angle of incidence of these groups, degrees. Rows that are evenly apart in azimuth are farther from the mirror direction
+/// at higher incidences.
+const MAX_INCIDENCE: f64 = 77.5;
+/// Maximum polar angle of their viewers, degrees.
+const MAX_VIEW: f64 = 85.0;
 /// Minimum polar angle of incidence of groups near the light, degrees: the highlight is nearer to it at others.
 const MIN_INCIDENCE_OF_RETRO: f64 = 15.0;
 /// Maximum half angle between light and viewer of the rows nearest to the light, degrees. Farther rows, as of goniometers whose detector
@@ -19,7 +22,7 @@ const MIN_ROWS: usize = 8;
 
 /// Compares the rows nearest to the mirror direction, and those nearest to the light, with the next ones at each polar angle of
 /// incidence, in steps of [`STEP`] degrees. Returns the angle at which the rows determine the peak least.
-pub(super) fn rise_to_peaks(rows: impl Iterator<Item = (DirectionPair, f64)>) -> Option<Rise> {
+pub(crate) fn rise_to_peaks(rows: impl Iterator<Item = (DirectionPair, f64)>) -> Option<Rise> {
     // Half angle in degrees from the peak, and reflected light, of the rows of each group.
     let mut groups: BTreeMap<(bool, i32), Vec<(f64, f64)>> = BTreeMap::new();
     for (pair, value) in rows {
@@ -28,7 +31,7 @@ pub(super) fn rise_to_peaks(rows: impl Iterator<Item = (DirectionPair, f64)>) ->
         let length = |v: Vector| v.iter().map(|c| c * c).sum::<f64>().sqrt();
         let [incidence, view, to_mirror] = [pair.incoming, pair.outgoing, half].map(|v| polar(v).to_degrees());
         let to_light = length(across).atan2(length(half)).to_degrees();
-        if incidence <= MAX_INCIDENCE && view <= MAX_INCIDENCE + 15.0 {
+        if incidence <= MAX_INCIDENCE && view <= MAX_VIEW {
             let reflected = value * pair.incoming[2] * pair.outgoing[2];
             let group = (incidence / STEP).round() as i32;
             groups.entry((false, group)).or_default().push((to_mirror, reflected));
