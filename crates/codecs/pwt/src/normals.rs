@@ -12,6 +12,7 @@ use brdfc_formats::FormatError;
 use brdfc_metrics::image::luminance;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Pixels that are solved at once, for vector instructions.
 const LANES: usize = 8;
@@ -47,8 +48,8 @@ pub struct SurfaceMaps {
     /// Share of the observations of defined pixels that differ from Lambert's law by more than a tenth of the albedo: shadows, gloss and
     /// interreflections. Pixels count by their albedo, so that a black background does not.
     pub outliers: f64,
-    /// Mean angle between normals from every other light and from the remaining lights, degrees, by albedo; `None` for fewer than 12
-    /// lights, and if halves of the lights do not determine normals.
+    /// Mean angle between normals from two halves of the lights, degrees, by albedo; each half has one light of each pair of near ones.
+    /// `None` for fewer than 12 lights, and if halves of the lights do not determine normals.
     pub between_halves: Option<f64>,
 }
 
@@ -76,8 +77,8 @@ pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> 
         return Err(FormatError::whole("lights", format!("{} in one plane", lights.len()), allowed));
     }
     let width = samples.size[0];
-    let halves = [0, 1].map(|first| half(lights, first));
-    let determined = halves.iter().all(|half| half.len() >= MIN_HALF && !is_one_plane(half));
+    let halves = halves(lights).map(|of| (of.iter().map(|light| lights[*light]).collect(), of));
+    let determined = halves.iter().all(|(half, _): &Half| half.len() >= MIN_HALF && !is_one_plane(half));
     let halves_of = |row: usize| (determined && row.is_multiple_of(HALVED_ROWS)).then_some(&halves);
     let rows: Vec<Row> =
         (0..samples.size[1]).into_par_iter().map(|row| solve_row(samples, row * width, halves_of(row))).collect();
@@ -91,9 +92,30 @@ pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> 
     Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers, between_halves })
 }
 
-/// Every other element.
-fn half<T: Copy>(all: &[T], first: usize) -> Vec<T> {
-    all.iter().copied().skip(first).step_by(2).collect()
+/// A half of the lights, and their indices.
+type Half = (Vec<[f32; 3]>, Vec<usize>);
+
+/// Indices of two halves of the lights, each with one light of each pair of near ones. They do not depend on the order of the list, in
+/// which every other light may be in the same ring.
+fn halves(lights: &[[f32; 3]]) -> [Vec<usize>; 2] {
+    let by_place =
+        |a: [f32; 3], b: [f32; 3]| (0..3).map(|c| a[c].total_cmp(&b[c])).fold(Ordering::Equal, Ordering::then);
+    let mut left: Vec<usize> = (0..lights.len()).collect();
+    left.sort_by(|a, b| by_place(lights[*a], lights[*b]));
+    let mut halves = [Vec::new(), Vec::new()];
+    let mut first = 0;
+    while !left.is_empty() {
+        let light = left.remove(0);
+        halves[first].push(light);
+        // All lights are unit vectors.
+        let cosine = |other: &usize| (0..3).map(|c| lights[light][c] * lights[*other][c]).sum::<f32>();
+        let nearest = (0..left.len()).max_by(|a, b| cosine(&left[*a]).total_cmp(&cosine(&left[*b])));
+        if let Some(nearest) = nearest {
+            halves[1 - first].push(left.remove(nearest));
+        }
+        first = 1 - first;
+    }
+    halves
 }
 
 /// Returns true if lights are almost in one plane through the surface.
@@ -117,7 +139,7 @@ struct Row {
 }
 
 /// Solves the row that starts at a pixel, with `halves` also from each of these halves of the lights.
-fn solve_row(samples: &LightSamples, first: usize, halves: Option<&[Vec<[f32; 3]>; 2]>) -> Row {
+fn solve_row(samples: &LightSamples, first: usize, halves: Option<&[Half; 2]>) -> Row {
     let width = samples.size[0];
     let mut row = Row { pixels: Vec::with_capacity(width), outliers: [0.0; 2], between_halves: [0.0; 2] };
     for start in (first..first + width).step_by(LANES) {
@@ -134,7 +156,10 @@ fn solve_row(samples: &LightSamples, first: usize, halves: Option<&[Vec<[f32; 3]
             .collect();
         let scaled = solve(&samples.lights, &luminances);
         if let Some(halves) = halves {
-            let solved = [0, 1].map(|first| solve(&halves[first], &half(&luminances, first)));
+            let solved = halves.each_ref().map(|(lights, indices)| {
+                let luminances: Vec<Lanes> = indices.iter().map(|light| luminances[*light]).collect();
+                solve(lights, &luminances)
+            });
             for lane in (0..count).filter(|lane| is_defined(*lane)) {
                 let [a, b] = solved.map(|g| normal_of(g.map(|c| c[lane])).unwrap_or(UP));
                 let albedo = f64::from(length(scaled.map(|c| c[lane])));
@@ -242,6 +267,7 @@ fn finished(samples: &LightSamples, pixel: usize, g: [f32; 3]) -> ([f32; 3], [f3
 mod tests {
     use super::*;
     use crate::ptm::spread_lights;
+    use brdfc_formats::direction::from_polar;
 
     const SIDE: usize = 41;
 
@@ -343,12 +369,12 @@ mod tests {
     #[test]
     fn halves_of_the_lights_show_the_error() {
         for (share, alpha, blocked, [outliers, halves, expected]) in [
-            (0.3, 0.3, 0.0, [0.04, 0.4, 0.9]),
-            (0.9, 0.2, 0.0, [0.28, 5.1, 8.9]),
-            (1.0, 0.25, 0.0, [0.42, 12.3, 24.0]),
-            (1.0, 0.08, 0.0, [0.40, 13.3, 28.0]),
-            (0.0, 0.3, 0.2, [0.14, 1.0, 0.08]),
-            (0.0, 0.3, 0.3, [0.22, 6.7, 1.0]),
+            (0.3, 0.3, 0.0, [0.04, 0.5, 0.9]),
+            (0.9, 0.2, 0.0, [0.28, 5.2, 8.9]),
+            (1.0, 0.25, 0.0, [0.42, 11.0, 24.0]),
+            (1.0, 0.08, 0.0, [0.40, 12.0, 28.0]),
+            (0.0, 0.3, 0.2, [0.14, 1.5, 0.08]),
+            (0.0, 0.3, 0.3, [0.22, 6.6, 1.0]),
         ] {
             let maps = glossy(share, alpha, blocked);
             let (between, error) = (maps.between_halves.unwrap(), error(&maps.normals));
@@ -359,6 +385,18 @@ mod tests {
             let ratio = if blocked == 0.0 { 1.3..3.0 } else { 0.05..0.2 };
             assert!(ratio.contains(&(error / between)), "{error} {between}");
         }
+        // Rings of lights, in two orders.
+        let rings = || (0..36).map(|k| (0.5 + 0.4 * f64::from(k % 2), 0.3 * f64::from(k / 2)));
+        let lights: Vec<[f32; 3]> =
+            rings().map(|(polar, azimuth)| from_polar(polar, azimuth).map(|c| c as f32)).collect();
+        let sorted: Vec<[f32; 3]> = (0..36).map(|k| lights[2 * (k % 18) + k / 18]).collect();
+        let of_order = |lights: Vec<[f32; 3]>| {
+            let blocked = |light: [f32; 3]| light[0] > 0.3;
+            let samples = sphere(lights, |_, light, _, cosine| if blocked(light) { 0.0 } else { cosine });
+            surface_maps(&samples).unwrap().between_halves.unwrap()
+        };
+        let [mixed, sorted] = [lights, sorted].map(of_order);
+        assert!((mixed / sorted - 1.0).abs() < 1e-3, "{mixed} {sorted}");
         // Ten lights determine normals, their halves do not.
         assert_eq!(surface_maps(&sphere(spread_lights(10), |_, _, _, cosine| cosine)).unwrap().between_halves, None);
     }
