@@ -52,9 +52,6 @@ impl Progress for Steps<'_> {
         self.bar.set_message(name);
         self.bar.reset();
         self.bar.set_length(steps as u64);
-        if self.lines && steps > 1 {
-            tell(&format!("{name}: 0 of {steps}"));
-        }
         self.check()
     }
 

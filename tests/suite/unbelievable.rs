@@ -1,6 +1,7 @@
 //! Scans that do not determine their material, and limits of every codec: none is met, because all codecs share the checks.
 
 use brdfc::{DirectionPair, Tally};
+use brdfc_readers::merl::{Dimensions, pair_of_angles, write};
 use brdfc_testing::program::Folder;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -28,6 +29,8 @@ struct Kind {
     measured: fn(DirectionPair) -> bool,
     /// Relative noise of the rows.
     noise: f64,
+    /// Value in the file by the measured one.
+    stored: fn(f64) -> f64,
     /// Factor of the repeated copy of each row.
     repeated: Option<f64>,
     /// Limits of ΔE and `ε_r`; `None` for a limit of the error of the fit.
@@ -43,6 +46,7 @@ const DENSE: Kind = Kind {
     incidences: 10,
     measured: |_| true,
     noise: 0.0,
+    stored: |value| value,
     repeated: None,
     limits: Some(LOOSE),
     expected: "",
@@ -75,7 +79,7 @@ impl Kind {
                     continue;
                 }
                 let factor = 1.0 + self.noise * random();
-                let value = model.source().eval(pair, &mut Tally::default()).map(|f| f * factor);
+                let value = model.source().eval(pair, &mut Tally::default()).map(|f| (self.stored)(f * factor));
                 for times in [Some(1.0), self.repeated].into_iter().flatten() {
                     let ([ix, iy, iz], [ox, oy, oz], [r, g, b]) =
                         (pair.incoming, pair.outgoing, value.map(|f| times * f));
@@ -146,6 +150,19 @@ kinds! {
         expected: "narrower than the samples resolve",
         ..DENSE
     };
+    /// Rows end 17° beside the plane of incidence: half vectors are up to 15° from the normal at high incidences, and 1° at low ones.
+    highlight_missed_at_high_incidences: Kind {
+        model: "synth:ggx?kd=0.05&f0=0.9&alpha=0.15",
+        measured: |pair| pair.outgoing[1].atan2(pair.outgoing[0]).abs() < 2.85,
+        expected: "at 70° incidence values rise",
+        ..DENSE
+    };
+    saturated: Kind { stored: |value| value.min(0.12), expected: "the detector was saturated", ..DENSE };
+    rounded: Kind {
+        stored: |value| (100.0 * value).round() / 100.0,
+        expected: "values are rounded to multiples of 0.01",
+        ..DENSE
+    };
     repeats: Kind { repeated: Some(100.0), expected: "repeated samples of", ..DENSE };
     extrapolated: Kind {
         measured: |pair| pair.incoming[2] > 0.5 && pair.outgoing[2] > 0.5,
@@ -174,6 +191,26 @@ fn flat_btfs_share_the_checks() {
         coloured.code == 1 && coloured.stderr.contains("--max-delta-e: no error: all values are black or white"),
         "{coloured:?}"
     );
+    // Channels that are no weights of materials.
+    let mixed = |name: &str, materials: usize| {
+        let materials = ["--material", "synth:lambert"].repeat(materials - 1);
+        flatten("synth:lambert?kd=0.1", &[&["--weights", name], &materials[..]].concat())
+    };
+    image::GrayImage::from_pixel(4, 4, image::Luma([99])).save(folder.path().join("grey.png")).unwrap();
+    image::RgbaImage::from_pixel(4, 4, image::Rgba([9, 90, 0, 255])).save(folder.path().join("opaque.png")).unwrap();
+    let mut gap = image::RgbImage::from_pixel(4, 4, image::Rgb([9, 90, 0]));
+    gap.put_pixel(2, 1, image::Rgb([0; 3]));
+    gap.save(folder.path().join("gap.png")).unwrap();
+    for (name, materials, message) in [
+        ("grey.png", 2, "grey.png: weights: found a grey image, which has the same weight for all materials"),
+        ("opaque.png", 4, "opaque.png: weights: found alpha of 1 everywhere, as of an image without weights in it"),
+    ] {
+        let ran = mixed(name, materials);
+        assert!(ran.code == 3 && ran.stderr.contains(message), "{ran:?}");
+    }
+    mixed("opaque.png", 3).succeeded();
+    let gap = mixed("gap.png", 2).succeeded();
+    assert!(gap.stdout.contains("6.250 % of the texels have no weight: they are of the first material"), "{gap:?}");
     let small = ["--texels", "16", "--views", "grid:2x6@50", "--lights", "grid:2x6@50", "--write-images", "btf"];
     folder.run(&[&["flatten", "synth:folds?resolution=24", "-o", "surface"][..], &small].concat()).succeeded();
     for level in [None, Some(0), Some(255)] {
@@ -191,6 +228,39 @@ fn flat_btfs_share_the_checks() {
     assert!(one.code == 1 && one.stderr.contains("one.csv: fit: no reliable fit: "), "{one:?}");
     flatten("one.csv", &["--trust-fit"]).succeeded();
     flatten("synth:lambert", &[]).succeeded();
+}
+
+/// Tables with gaps, coarse tables and saturated ones are as doubtful as scans are.
+#[test]
+fn tables_share_the_checks() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    let dimensions =
+        |theta_half, theta_difference, phi_difference| Dimensions { theta_half, theta_difference, phi_difference };
+    let fine = dimensions(45, 45, 90);
+    let cases: [(Dimensions, fn([f64; 3], f64) -> Option<f64>, &str); 5] = [
+        (fine, |[half, ..], value| (half < 0.14 || half > 0.7).then_some(value), "are more than 10° from any sample"),
+        (fine, |[half, ..], value| (half > 0.25).then_some(value), "narrower than the samples resolve"),
+        (fine, |_, value| Some(value.min(0.1)), "samples of "),
+        (dimensions(8, 4, 6), |_, value| Some(value), "are more than 10° from any sample"),
+        (fine, |_, value| Some(value), ""),
+    ];
+    for (number, (dimensions, stored, expected)) in cases.into_iter().enumerate() {
+        let model = brdfc::open("synth:ggx?kd=0.3,0.1,0.05&alpha=0.2").expect("a model");
+        let mut bytes = Vec::new();
+        let value = |angles| {
+            let pair = pair_of_angles(angles);
+            let [r, g, b] = model.source().eval(pair, &mut Tally::default());
+            stored(angles, r).map(|r| [r, g, b])
+        };
+        write(&mut bytes, dimensions, value).expect("memory");
+        folder.write("table.binary", bytes);
+        let ran = folder.run(&["encode", "table.binary", "-o", "pack.ktx2", "--max-delta-e", "20", "--codec", "table"]);
+        let is_doubtful = !expected.is_empty();
+        assert!(ran.code == i32::from(is_doubtful) && ran.stderr.contains(expected), "{number}: {ran:?}");
+        let trusted =
+            ["encode", "table.binary", "-o", "pack.ktx2", "--max-delta-e", "20", "--codec", "table", "--trust-fit"];
+        folder.run(&trusted).succeeded();
+    }
 }
 
 /// Commands without checks of their own print why a scan does not determine its material.

@@ -66,3 +66,29 @@ impl Exposures {
         notes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniform_photographs_and_the_end_of_the_scale_are_noted() {
+        let of = |images: &[[f32; 4]]| {
+            let mut exposures = Exposures::default();
+            for (light, values) in images.iter().enumerate() {
+                exposures.add([0, light], values.iter().map(|value| [*value; 3]));
+            }
+            exposures
+        };
+        assert!(of(&[[0.0, 0.5, 0.9, 0.2], [0.1, 0.0, 0.0, 0.0]]).notes().is_empty());
+        let black = of(&[[0.0; 4], [0.1, 0.2, 0.3, 0.4]]);
+        assert_eq!(black.uniform(), [("black", vec![[0, 0]]), ("white", vec![])]);
+        assert_eq!(black.notes(), ["1 of 2 photographs: black everywhere"]);
+        // Values above 1, as of floats, are not cut off.
+        let bright = of(&[[1.0, 0.5, 0.1, 0.1], [7.0, 2.0, 0.1, 0.1]]).notes();
+        assert!(
+            bright.len() == 1 && bright[0].starts_with("12.500 % of the values are at the end of the scale"),
+            "{bright:?}"
+        );
+    }
+}

@@ -20,8 +20,8 @@ const SYMMETRY_TOLERANCE: f32 = 1e-5;
 
 /// Share of cells above the horizon without a measurement from which the gaps of a table are looked for.
 const GAPS: f64 = 1e-3;
-/// Step of the angles `θ_d` and `φ_d` from which a table's cells are looked at as samples, radians.
-const COARSE: f64 = 0.1;
+/// Step of the angles `θ_d` and `φ_d` above which directions may be far from all cells, radians.
+const COARSE: f64 = 0.25;
 /// Maximum number of azimuths that are compared for the rise to the mirror direction.
 const AZIMUTHS: usize = 16;
 

@@ -14,11 +14,16 @@ use image::codecs::jpeg::JpegDecoder;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 
+const APP0: u8 = 0xe0;
 const APP1: u8 = 0xe1;
 const APP2: u8 = 0xe2;
+const APP14: u8 = 0xee;
 const START_OF_SCAN: u8 = 0xda;
 const END_OF_IMAGE: u8 = 0xd9;
 const EXIF: &[u8] = b"Exif\0\0";
+const JFIF: &[u8] = b"JFIF\0";
+/// The start of Adobe's segment. Its version, two words of flags and the transform of colours follow.
+const ADOBE: &[u8] = b"Adobe";
 const ICC: &[u8] = b"ICC_PROFILE\0";
 /// Number of bytes that are read first for a header.
 const FIRST_BYTES: u64 = 1 << 16;
@@ -112,7 +117,8 @@ fn profile(parts: &[&[u8]]) -> Result<Vec<u8>, FormatError> {
 }
 
 pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Raster, FormatError> {
-    let bytes = all(&mut reader, ask)?;
+    let mut bytes = all(&mut reader, ask)?;
+    state_transform(&mut bytes);
     check(&bytes).map_err(|problem| ask.broken(problem))?;
     let decoder = decoder(&bytes, ask)?;
     let (width, height) = decoder.dimensions();
@@ -121,6 +127,36 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
     let mut samples = filled("pixels", size[0] * size[1] * channels, 0u8)?;
     decoder.read_image(&mut samples).map_err(|error| ask.broken(error))?;
     Ok(Raster { size, channels, samples: Samples::U8(samples) })
+}
+
+/// States the transform of colours in Adobe's segment as libjpeg chooses it (`default_decompress_parms` of version 6b and later), where
+/// the decoder chooses another: three components are YCbCr in JFIF files, whatever Adobe's segment says, and RGB if they are named so and
+/// there is neither segment.
+fn state_transform(jpeg: &mut Vec<u8>) {
+    let begins = |marker: u8, name: &[u8]| {
+        segments(jpeg)
+            .find(|one| one.marker == marker && one.contents.starts_with(name))
+            .map(|one| one.end - one.contents.len())
+    };
+    let (jfif, adobe) = (begins(APP0, JFIF), begins(APP14, ADOBE));
+    let frame = segments(jpeg).find(|segment| matches!(segment.marker, 0xc0..=0xc2));
+    let component = |k: usize| frame.and_then(|frame| frame.contents.get(6 + 3 * k)).copied();
+    let is_rgb = [0, 1, 2].map(component) == [b'R', b'G', b'B'].map(Some);
+    let is_three = component(2).is_some() && component(3).is_none();
+    let transform = ADOBE.len() + 6;
+    match (jfif, adobe) {
+        (Some(_), Some(adobe)) if is_three => {
+            if let Some(byte) = jpeg.get_mut(adobe + transform) {
+                *byte = 1;
+            }
+        }
+        (None, None) if is_three && is_rgb => {
+            let contents = [ADOBE, &[0; 7]].concat();
+            let length = (contents.len() as u16 + 2).to_be_bytes();
+            jpeg.splice(2..2, [&[0xff, APP14], &length[..], &contents].concat());
+        }
+        _ => {}
+    }
 }
 
 fn all(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatError> {
@@ -166,6 +202,46 @@ mod tests {
             image::RgbImage::from_fn(40, 24, |x, y| image::Rgb([(x * 61) as u8, (y * 99) as u8, (x * y) as u8]));
         noise.write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
         jpeg.into_inner()
+    }
+
+    /// jpeg-decoder 249: a JFIF file with a segment of Adobe that states RGB is YCbCr. Files of libjpeg without both segments, whose
+    /// components are named R, G and B, are RGB.
+    #[test]
+    fn transforms_of_colours_are_those_of_libjpeg() {
+        let red = image::RgbImage::from_pixel(8, 8, image::Rgb([200, 20, 30]));
+        let mut plain = Cursor::new(Vec::new());
+        red.write_to(&mut plain, image::ImageFormat::Jpeg).unwrap();
+        let plain = plain.into_inner();
+        let adobe = |transform: u8| [&[0xff, APP14, 0, 14][..], ADOBE, &[0, 100, 0, 0, 0, 0, transform]].concat();
+        let ask = Ask {
+            purpose: crate::image_file::Purpose::Data,
+            field: "image",
+            allowed: "a JPEG",
+            formats: &[image::ImageFormat::Jpeg],
+            check: &|_| Ok(()),
+        };
+        let first = |jpeg: &[u8]| {
+            let Samples::U8(samples) = samples(Cursor::new(jpeg), &ask).unwrap().samples else { panic!("8 bits") };
+            [samples[0], samples[1], samples[2]]
+        };
+        let expected = first(&plain);
+        assert!(expected[0] > 190 && expected[1] < 40, "{expected:?}");
+        for transform in [0, 1] {
+            let both = [&plain[..2 + 18], &adobe(transform), &plain[2 + 18..]].concat();
+            assert_eq!(first(&both), expected);
+        }
+        // Without JFIF, Adobe's segment decides, and then the names.
+        let without = [&plain[..2], &plain[2 + 18..]].concat();
+        let stored = first(&[&without[..2], &adobe(0), &without[2..]].concat());
+        assert_ne!(stored, expected);
+        assert_eq!(first(&without), expected);
+        let mut named = without;
+        let frame = named.windows(2).position(|pair| pair == [0xff, 0xc0]).unwrap();
+        let scan = named.windows(2).position(|pair| pair == [0xff, START_OF_SCAN]).unwrap();
+        for (k, name) in [b'R', b'G', b'B'].into_iter().enumerate() {
+            (named[frame + 10 + 3 * k], named[scan + 5 + 2 * k]) = (name, name);
+        }
+        assert_eq!(first(&named), stored);
     }
 
     #[test]
