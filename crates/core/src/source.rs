@@ -37,7 +37,12 @@ pub trait Source: Send + Sync {
         DirectionRange::ALL
     }
 
-    /// The samples that the source is completed from; `None` if all values are known, or interpolated in cells.
+    /// The samples that may not determine the source; `None` if all values are known, or interpolated in small cells.
+    fn samples(&self) -> Option<&dyn Samples> {
+        self.completion().map(|completion| completion as &dyn Samples)
+    }
+
+    /// The samples that the source is completed from, which takes long; `None` if all values are known, or interpolated in cells.
     fn completion(&self) -> Option<&dyn Completion> {
         None
     }
@@ -89,7 +94,7 @@ pub struct Rise {
     pub nearest: f64,
     /// Root mean square half angle of the next group of samples, degrees.
     pub next: f64,
-    /// Mean value of the nearest group over the mean value of the next group.
+    /// Mean value of the last samples before the next group over the mean value of the next group.
     pub ratio: f64,
     /// Peak of a GGX lobe through both means, over the mean value of the nearest group; at most 100.
     pub peak: f64,
@@ -105,13 +110,13 @@ pub enum PeakAt {
     Viewer,
 }
 
-/// Samples at a detector's limit: direction pairs, not counting symmetric ones, with exactly the largest value of a channel.
+/// A plateau at the largest value of a channel, or at the largest product with the cosine of the incidence, of the viewer or of both.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Saturation {
-    /// The largest value, 1/sr.
-    pub value: f64,
-    /// Number of direction pairs with this value in the channel that has most of them.
-    pub pairs: usize,
+    /// Number of samples with the largest value.
+    pub samples: usize,
+    /// Largest angle between the half vector and the normal of these samples, degrees.
+    pub farthest: f64,
 }
 
 /// Values that are multiples of one number, as of a file with few decimals.
@@ -119,27 +124,36 @@ pub struct Saturation {
 pub struct Rounding {
     /// The number, 1/sr.
     pub step: f64,
-    /// Mean error of rounding as a fraction of the value, over all values above 0: a quarter of the step.
+    /// Mean error of rounding as a fraction of the value: a quarter of the step. A twentieth of the median stands for smaller values.
     pub error: f64,
 }
 
 /// Maximum peak over the nearest samples of a highlight that samples determine.
 pub const MAX_PEAK: f64 = 2.5;
-/// Maximum ratio of the nearest and the next samples: above it the width of the highlight is unknown, even if a sample
+/// Maximum ratio of the next samples and those before them: above it the width of the highlight is unknown, even if a sample
 /// is on its peak.
 pub const MAX_RISE: f64 = 30.0;
 
+/// The samples of a source.
+pub trait Samples: Sync {
+    /// Distance of a direction pair from the nearest sample: the larger of the angles between their lights and between
+    /// their viewers, radians. The sample may be rotated, mirrored or exchanged by the material's symmetries.
+    fn distance(&self, pair: DirectionPair) -> f64;
+
+    /// Rise of the samples towards the mirror direction or back to the light; `None` if too few are near them.
+    fn rise(&self) -> Option<Rise>;
+
+    /// A plateau at the largest value; `None` without one.
+    fn saturation(&self) -> Option<Saturation>;
+}
+
 /// The samples that a source is completed from.
-pub trait Completion: Sync {
-    /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence, or if none are held out.
+pub trait Completion: Samples {
+    /// Number of folds, at most [`MAX_PARTS`]; 0 if all samples have the same incidence.
     fn fold_count(&self, parts: Parts) -> usize;
 
     /// A fold by its number; `None` if too few samples remain to complete a source.
     fn fold(&self, parts: Parts, number: usize) -> Option<Fold>;
-
-    /// Distance of a direction pair from the nearest sample: the larger of the angles between their lights and between
-    /// their viewers, radians. The sample may be rotated, mirrored or exchanged by the material's symmetries.
-    fn distance(&self, pair: DirectionPair) -> f64;
 
     /// Repeated samples; `None` without any.
     fn repeats(&self) -> Option<Repeats>;
@@ -148,12 +162,6 @@ pub trait Completion: Sync {
     /// less the estimated noise: 0 for reciprocal reflectance, and for differences that the error of the fit explains. `None` if too
     /// few exchanged samples are near others.
     fn exchanged(&self) -> Option<f64>;
-
-    /// Rise of the samples towards the mirror direction or back to the light; `None` if too few are near them.
-    fn rise(&self) -> Option<Rise>;
-
-    /// Samples at a detector's limit; `None` without any.
-    fn saturation(&self) -> Option<Saturation>;
 
     /// Rounding of the values; `None` if they have no common step.
     fn rounding(&self) -> Option<Rounding>;

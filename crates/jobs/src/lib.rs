@@ -8,7 +8,7 @@ pub mod depfile;
 pub mod encode;
 pub mod environment;
 mod error;
-mod exposure;
+pub mod exposure;
 pub mod file_events;
 pub mod file_name;
 pub mod flatten;

@@ -5,7 +5,9 @@ use super::norms::NormSums;
 use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
 use super::sampling::PairSet;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
-use brdfc_core::source::{Completion, Fold, MAX_PEAK, MAX_RISE, Parts, PeakAt, Repeats, Rise, Rounding, Saturation};
+use brdfc_core::source::{
+    Completion, Fold, MAX_PEAK, MAX_RISE, Parts, PeakAt, Repeats, Rise, Rounding, Samples, Saturation,
+};
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
@@ -63,7 +65,7 @@ pub struct FitError {
     pub exchanged: Option<f64>,
     /// Rise of the samples towards the mirror direction; absent if too few are near it.
     pub rise: Option<Rise>,
-    /// Samples at a detector's limit; absent without any.
+    /// A plateau at the largest value; absent without one.
     pub saturation: Option<Saturation>,
     /// Rounding of the values; absent if they have no common step.
     pub rounding: Option<Rounding>,
@@ -81,8 +83,8 @@ pub struct Gaps {
 }
 
 impl Gaps {
-    fn of(completion: &dyn Completion, pairs: &[DirectionPair]) -> Self {
-        let distances: Vec<f64> = pairs.par_iter().map(|pair| completion.distance(*pair).to_degrees()).collect();
+    fn of(samples: &dyn Samples, pairs: &[DirectionPair]) -> Self {
+        let distances: Vec<f64> = pairs.par_iter().map(|pair| samples.distance(*pair).to_degrees()).collect();
         let uncovered = distances.iter().filter(|degrees| **degrees > COVERED).count();
         Self {
             farthest: distances.iter().copied().fold(0.0, f64::max),
@@ -100,11 +102,24 @@ impl Gaps {
 }
 
 impl FitError {
-    /// Cross-validates a source that is completed from samples, for renderings within a range of directions.
+    /// Looks at the samples of a source, and cross-validates it if it is completed from them, for renderings within a range of directions.
+    /// `None` for sources without samples.
     ///
     /// # Errors
     /// Returns an error if the work is cancelled.
     pub fn measure(
+        source: &dyn Source,
+        directions: DirectionRange,
+        progress: &dyn Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let Some(unvalidated) = Self::without_validation(source, directions) else { return Ok(None) };
+        source.completion().map_or(Ok(Some(unvalidated)), |completion| {
+            unvalidated.validated(source, completion, directions, progress).map(Some)
+        })
+    }
+
+    fn validated(
+        self,
         source: &dyn Source,
         completion: &dyn Completion,
         directions: DirectionRange,
@@ -157,27 +172,28 @@ impl FitError {
             samples: samples.map(|(error, _)| error),
             incidences: incidences.map(|(error, _)| error),
             delta_e,
-            too_few: delta_e.is_none() && completion.fold_count(Parts::Samples) > 0,
-            ..Self::without_validation(completion, directions)
+            too_few: delta_e.is_none(),
+            ..self
         })
     }
 
     /// The parts that follow from the directions and values of the samples alone.
-    fn without_validation(completion: &dyn Completion, directions: DirectionRange) -> Self {
+    fn without_validation(source: &dyn Source, directions: DirectionRange) -> Option<Self> {
+        let (samples, completion) = (source.samples()?, source.completion());
         let tested: Vec<DirectionPair> = PairSet::within(directions).pairs.iter().copied().step_by(COARSE).collect();
-        Self {
+        Some(Self {
             samples: None,
             incidences: None,
             delta_e: None,
-            ball: Gaps::of(completion, &coarse_rendering_pairs(directions)),
-            test_directions: Gaps::of(completion, &tested),
-            repeats: completion.repeats(),
-            exchanged: completion.exchanged(),
-            rise: completion.rise(),
-            saturation: completion.saturation(),
-            rounding: completion.rounding(),
+            ball: Gaps::of(samples, &coarse_rendering_pairs(directions)),
+            test_directions: Gaps::of(samples, &tested),
+            repeats: completion.and_then(Completion::repeats),
+            exchanged: completion.and_then(Completion::exchanged),
+            rise: samples.rise(),
+            saturation: samples.saturation(),
+            rounding: completion.and_then(Completion::rounding),
             too_few: false,
-        }
+        })
     }
 
     /// The larger of both `ε_r`; absent without cross-validation.
@@ -221,15 +237,14 @@ impl FitError {
                 PeakAt::Viewer => ("retroreflection", "direction back to the light"),
             };
             return Some(format!(
-                "the {what} is narrower than the samples resolve: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° \
-                 to {nearest:.1}° off the {place} (half angles), and no sample is nearer"
+                "the {what} is narrower than the samples resolve: at {incidence:.0}° incidence values rise {ratio:.1} times from {next:.1}° off \
+                 the {place} (half angles) to the next samples towards it, of which the nearest is {nearest:.1}° off"
             ));
         }
-        if let Some(Saturation { value, pairs }) = self.saturation {
-            // Single precision has the digits of measurements.
-            let value = value as f32;
+        if let Some(Saturation { samples, farthest }) = self.saturation {
             return Some(format!(
-                "samples of {pairs} direction pairs have exactly the largest value, {value}: the detector was saturated, or values are cut off"
+                "the largest values, or values times cosines, of {samples} samples are equal, up to {farthest:.0}° off the mirror direction (half \
+                 angles): the detector was saturated, or values are cut off"
             ));
         }
         if let Some(Rounding { step, error }) = self.rounding.filter(|rounding| rounding.error > MAX_ROUNDING) {
@@ -254,7 +269,7 @@ impl FitError {
 /// Reason why samples do not determine a source at all directions, without cross-validation; `None` if they do, or if the source is
 /// not completed from samples.
 pub fn undetermined(source: &dyn Source, directions: DirectionRange) -> Option<String> {
-    let fit = FitError::without_validation(source.completion()?, directions);
+    let fit = FitError::without_validation(source, directions)?;
     fit.gaps().or_else(|| fit.extrapolation())
 }
 

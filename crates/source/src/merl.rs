@@ -9,7 +9,7 @@ use super::smooth::{Axis, Grid, Smoothed, smooth};
 use brdfc_core::Describe;
 use brdfc_core::half_difference::HalfDifference;
 use brdfc_core::pair_list::PairBlock;
-use brdfc_core::source::{Completion, Fold, Parts, Repeats, Rise, Rounding, Saturation};
+use brdfc_core::source::{Rise, Samples, Saturation};
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::merl::{self, Merl, MerlError};
@@ -18,9 +18,9 @@ use std::sync::OnceLock;
 /// Largest relative difference between a cell and its image that counts as rounding in a symmetric file.
 const SYMMETRY_TOLERANCE: f32 = 1e-5;
 
-/// Share of cells above the horizon without a measurement from which the gaps of a table are looked for.
-const GAPS: f64 = 1e-3;
-/// Step of the angles `θ_d` and `φ_d` above which directions may be far from all cells, radians.
+/// Maximum share of the cells above the horizon without a measurement in a table whose gaps are not looked for.
+const MAX_MISSING: f64 = 1e-3;
+/// Step of an angle above which directions may be far from all cells, radians.
 const COARSE: f64 = 0.25;
 /// Maximum number of azimuths that are compared for the rise to the mirror direction.
 const AZIMUTHS: usize = 16;
@@ -74,8 +74,10 @@ fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, Input
     // Along θ_h and θ_d the table ends; azimuths start again.
     let shape = [n.theta_half, n.theta_difference, n.phi_difference];
     let grid = Grid { shape, axes: [Axis::Open, Axis::Open, Axis::Periodic] };
+    let saturation = saturation_of(&table);
     let smoothed = smoothing.map(|radius| smooth(&mut table.values, grid, radius));
-    let source = MerlSource::new(table);
+    // Smoothing hides it.
+    let source = MerlSource { saturation, ..MerlSource::new(table) };
     let valid_cells = source.table().valid_cells;
     let facts = MerlFacts { dimensions: shape, valid_cells, invalid_cells: n.cells() - valid_cells, smoothed };
     Ok(Opened { source: Box::new(source), facts: facts.into() })
@@ -101,10 +103,7 @@ impl MerlSource {
             mirror: table.is_mirror_symmetric(SYMMETRY_TOLERANCE),
             reciprocal: table.is_reciprocal(SYMMETRY_TOLERANCE),
         };
-        let n = table.dimensions;
-        let saturation =
-            saturation(n.cells(), |cell| table.values[cell].map(f64::from), |cell| pair_of_cell(&table, cell));
-        Self { table, symmetry, saturation, nearest: OnceLock::new() }
+        Self { saturation: saturation_of(&table), table, symmetry, nearest: OnceLock::new() }
     }
 
     /// Table that was read; NaN in cells without a valid measurement.
@@ -131,24 +130,18 @@ impl Source for MerlSource {
     }
 
     /// Tables with gaps, coarse ones and saturated ones are as doubtful as scans are.
-    fn completion(&self) -> Option<&dyn Completion> {
-        let n = self.table.dimensions;
-        let gaps = self.table.missing_cells as f64 > GAPS * n.cells() as f64;
+    fn samples(&self) -> Option<&dyn Samples> {
+        let Merl { dimensions: n, valid_cells, missing_cells, .. } = &self.table;
+        let has_gaps = *missing_cells as f64 > MAX_MISSING * (valid_cells + missing_cells) as f64;
         let [_, difference, azimuth] = n.sample_angles(0, 1, 1);
-        (gaps || difference.max(azimuth) > COARSE || self.saturation.is_some()).then_some(self)
+        // The last step is the largest one.
+        let half = n.sample_angles(n.theta_half, 0, 0)[0] - n.sample_angles(n.theta_half - 1, 0, 0)[0];
+        let is_coarse = half.max(difference).max(azimuth) > COARSE;
+        (has_gaps || is_coarse || self.saturation.is_some()).then_some(self)
     }
 }
 
-/// The cells as samples. None are held out: their number and their spacing are those of the layout.
-impl Completion for MerlSource {
-    fn fold_count(&self, _: Parts) -> usize {
-        0
-    }
-
-    fn fold(&self, _: Parts, _: usize) -> Option<Fold> {
-        None
-    }
-
+impl Samples for MerlSource {
     fn distance(&self, pair: DirectionPair) -> f64 {
         let corners = self.corners_at(HalfDifference::of(pair)).map(|(cell, _)| cell);
         let distance = |cell: usize| {
@@ -158,14 +151,6 @@ impl Completion for MerlSource {
         let valid = corners.into_iter().filter(|cell| !self.table.values[*cell][0].is_nan());
         let nearest = valid.map(distance).reduce(f64::min);
         nearest.unwrap_or_else(|| distance(self.nearest_valid(corners[0])))
-    }
-
-    fn repeats(&self) -> Option<Repeats> {
-        None
-    }
-
-    fn exchanged(&self) -> Option<f64> {
-        None
     }
 
     fn rise(&self) -> Option<Rise> {
@@ -180,10 +165,10 @@ impl Completion for MerlSource {
     fn saturation(&self) -> Option<Saturation> {
         self.saturation
     }
+}
 
-    fn rounding(&self) -> Option<Rounding> {
-        None
-    }
+fn saturation_of(table: &Merl) -> Option<Saturation> {
+    saturation(table.dimensions.cells(), |cell| table.values[cell].map(f64::from), |cell| pair_of_cell(table, cell))
 }
 
 fn pair_of_cell(table: &Merl, cell: usize) -> DirectionPair {

@@ -158,10 +158,10 @@ pub fn note(common: Common, about: &impl std::fmt::Display, line: &str) {
     remark(common, &format!("note: {about}: {line}"));
 }
 
-/// Prints why the rows of a scan do not determine its material.
+/// Prints why the samples of a scan or a table do not determine its material.
 pub fn note_gaps(common: Common, input: &impl std::fmt::Display, source: &dyn Source) {
     if let Some(why) = undetermined(source, source.directions()) {
-        note(common, input, &format!("the scan does not determine the material: {why}"));
+        note(common, input, &format!("the samples do not determine the material: {why}"));
     }
 }
 

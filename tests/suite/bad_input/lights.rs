@@ -143,7 +143,7 @@ fn stacks_that_differ_from_their_list() {
     }
     let dark = stack([4, 4], "2\na.png 0 0 1\nb.png 0 1 1\n");
     let ran = dark.run(&["pwt", "s", "-o", "p.ktx2"]).succeeded();
-    assert!(ran.stderr.contains("note: s: 2 photographs: black everywhere\n"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("note: s: 2 images: black everywhere\n"), "{}", ran.stderr);
     let ran = dark.run(&["pwt", "s", "-o", "p.ktx2", "--quality", "20"]);
     assert!(ran.code == 1 && ran.stderr.contains("neither black nor white"), "{}", ran.stderr);
 }

@@ -36,7 +36,7 @@ fn every_kind_is_named_with_its_sizes() {
         let ran = folder.run(&["info", input]).succeeded();
         assert!(ran.stdout.contains(words), "{input}: {}", ran.stdout);
         // The scans are small.
-        let of_gaps = ran.stderr.lines().all(|line| line.contains(": the scan does not determine the material: "));
+        let of_gaps = ran.stderr.lines().all(|line| line.contains(": the samples do not determine the material: "));
         assert!(of_gaps && ran.stderr.is_empty() == (kind != "scan"), "{input}: {}", ran.stderr);
     }
 }

@@ -1,5 +1,6 @@
 //! The report in a flat BTF's file: settings and measurements.
 
+use crate::exposure::ExposureFacts;
 use brdfc_flat_btf::encode::{AssetReport, FlattenRecipe, Reflectance, ReliefForm};
 use brdfc_flat_btf::factored::FactoredTarget;
 use brdfc_flat_btf::fill::FillMethod;
@@ -26,9 +27,9 @@ pub struct AssetFile {
     pub settings: Settings,
     /// Measurements that the encoder made: sizes, errors and repairs.
     pub report: AssetReport,
-    /// Notes on images that are black or white everywhere, and on values at the end of the scale.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub exposure: Vec<String>,
+    /// Exposure of measured images, if some are black or white everywhere or overexposed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub exposure: Option<ExposureFacts>,
     /// Facts about the trees; only for the reflectance `pwt`.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub trees: Option<PwtFacts>,

@@ -2,7 +2,7 @@
 
 use crate::btf_stack::{StackFormat, write_image};
 use crate::error::Error;
-use crate::exposure::Exposures;
+use crate::exposure::{Exposure, Exposures};
 use crate::outputs::Failed;
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_flat_btf::encode::FlattenRecipe;
@@ -15,7 +15,7 @@ use brdfc_readers::btf_stack::ImageAngles;
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use rayon::prelude::*;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Rays per texel and axis of computed images.
 const RAYS: usize = 2;
@@ -32,8 +32,8 @@ impl<'a> StackImages<'a> {
     }
 
     /// Exposures of the images that were read.
-    pub(super) fn exposures(&self) -> Exposures {
-        self.exposures.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    pub(super) fn exposures(&self) -> MutexGuard<'_, Exposures> {
+        self.exposures.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -42,10 +42,10 @@ impl ViewImages for StackImages<'_> {
 
     fn image(&self, view: usize, light: usize) -> Result<TileImage<3>, Error> {
         let image = self.btf.image(view, light)?;
-        let mut of_image = Exposures::default();
-        of_image.add([view, light], image.pixels.iter().copied());
-        let mut exposures = self.exposures.lock().unwrap_or_else(PoisonError::into_inner);
-        exposures.merge(of_image);
+        if !self.exposures().has([view, light]) {
+            let exposure = Exposure::of(image.pixels.iter().copied());
+            self.exposures().add([view, light], exposure);
+        }
         Ok(TileImage { width: image.width, height: image.height, pixels: image.pixels })
     }
 }

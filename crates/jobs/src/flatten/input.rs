@@ -15,7 +15,7 @@ use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::wavelet::WaveletPack;
 use brdfc_source::Input;
 use brdfc_source::meso::{MesoInput, open_meso};
-use brdfc_source::open::{Facts, Opened, open};
+use brdfc_source::open::{Opened, open};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::photograph::CodeValues;
 use brdfc_source::tile_image::{FileImage, open_colours, open_shares};
@@ -236,19 +236,19 @@ fn open_observed(
 fn open_weights(input: &Input, materials: usize) -> Result<FileImage<4>, Error> {
     let mut image = open_shares(input)?;
     let refused = |found: &str| {
-        let channels = ["red", "green", "blue", "alpha"][..materials.min(4)].join(", ");
+        let channels = ["red", "green", "blue", "alpha"][..materials].join(", ");
         Err(Error::input(format!(
             "{input}: weights: found {found}; expected the weights of {materials} materials in {channels}"
         )))
     };
     let pixels = &image.pixels;
-    if pixels.iter().all(|[r, g, b, _]| r == g && g == b) {
-        return refused("a grey image, which has the same weight for all materials");
+    if pixels.iter().all(|pixel| pixel[1..materials].iter().all(|weight| *weight == pixel[0])) {
+        return refused("the same weight of all materials at every texel, as in a grey image");
     }
-    if materials == 4 && pixels.iter().all(|pixel| pixel[3] >= 1.0) {
-        return refused("alpha of 1 everywhere, as of an image without weights in it");
+    if materials == MAX_MATERIALS && pixels.iter().all(|pixel| pixel[3] >= 1.0) {
+        return refused("alpha of 1 at every texel, as in an image without transparency");
     }
-    let empty = pixels.iter().filter(|pixel| pixel[..materials.min(4)].iter().sum::<f32>() <= 0.0).count();
+    let empty = pixels.iter().filter(|pixel| pixel[..materials].iter().sum::<f32>() <= 0.0).count();
     if empty > 0 {
         let share = percent(empty as f64 / pixels.len() as f64);
         image.conversions.push(format!("{share} of the texels have no weight: they are of the first material"));
@@ -262,7 +262,7 @@ fn tile_image<const N: usize>(FileImage { width, height, pixels, .. }: FileImage
 
 /// The source of a material; a table of it for a scan.
 fn tabulated(opened: Opened, progress: &dyn Progress) -> Result<Box<dyn Source>, Error> {
-    if !matches!(opened.facts, Facts::Scan(_)) {
+    if opened.source.completion().is_none() {
         return Ok(opened.source);
     }
     let recipe = Recipe { target: Target::Ratio(1.0), bits: 16, supercompress: false, ..Recipe::default() };

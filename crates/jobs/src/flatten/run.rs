@@ -97,7 +97,7 @@ pub fn run(job: FlattenJob<'_>, progress: &dyn Progress) -> Result<FlatAsset, Er
         },
         settings: Settings::new(job.recipe, job.supercompress),
         report: encoded.report,
-        exposure: images.map_or(Vec::new(), |images| images.exposures().notes()),
+        exposure: images.as_ref().map(|images| images.exposures().facts()).filter(|facts| !facts.notes().is_empty()),
         trees: encoded.decoder.parts().reflectance.trees().map(|trees| PwtFacts::new(trees.pack())),
     };
     let mut file = FlatBtfFile::new(encoded.decoder).map_err(Error::input)?;

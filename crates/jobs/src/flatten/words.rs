@@ -1,6 +1,7 @@
 //! Summaries and notes about flat BTFs.
 
 use super::asset::{AssetFile, FlatAsset, Settings};
+use crate::exposure::ExposureFacts;
 use crate::report::fit::{Found, Reliability, check};
 use crate::report::gate::GateResult;
 use brdfc_codec::{ErrorLimits, FitLimits};
@@ -26,7 +27,7 @@ pub fn remarks(asset: &AssetFile) -> Vec<String> {
     if let Some(unseen) = asset.unseen().filter(|unseen| *unseen > 0.0) {
         lines.push(format!("no view sees {} of the texels", percent(unseen)));
     }
-    lines.extend(asset.exposure.iter().cloned());
+    lines.extend(asset.exposure.iter().flat_map(ExposureFacts::notes));
     let layers = asset.report.layers.unwrap_or_default();
     let share = |lines: u32| percent(f64::from(lines) * 1e-6);
     if layers.simplified >= FEW_LINES {

@@ -4,7 +4,7 @@
 use super::limits::{MAX_BYTES, check_amount, check_linear, refused};
 use super::views::{ViewChoice, all_flat_views, all_views};
 use crate::error::Error;
-use crate::exposure::Exposures;
+use crate::exposure::{Exposure, Exposures};
 use brdfc_core::words::{counted, join_truncated};
 use brdfc_formats::Pack;
 use brdfc_formats::direction::Vector;
@@ -124,7 +124,9 @@ impl LightInput {
             if codes.is_some() {
                 return Err(Error::usage("--photographs does not apply to flat BTFs"));
             }
-            return Ok(Self::Photographs(flat_view(path, view)?, About::default()));
+            let samples = flat_view(path, view)?;
+            let about = About { notes: exposures(&samples).facts().notes(), ..About::default() };
+            return Ok(Self::Photographs(samples, about));
         }
         if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
             let btf = OrdinaryBtf::open_as(path, codes)?;
@@ -132,7 +134,8 @@ impl LightInput {
                 ViewChoice::One(view) => one_view(path, &btf, view)?,
                 ViewChoice::All => all_views(path, &btf)?,
             };
-            let about = About { colour: btf.colour().map(str::to_owned), notes: btf.notes().to_vec() };
+            let notes = btf.notes().iter().cloned().chain(exposures(&samples).facts().notes()).collect();
+            let about = About { colour: btf.colour().map(str::to_owned), notes };
             return Ok(Self::Photographs(samples, about));
         }
         std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
@@ -146,8 +149,8 @@ impl LightInput {
 
     /// Notes about photographs: what was left out, and what has nothing to fit.
     pub fn notes(&self) -> Vec<String> {
-        let Self::Photographs(samples, about) = self else { return Vec::new() };
-        about.notes.iter().cloned().chain(exposures(samples).notes()).collect()
+        let Self::Photographs(_, about) = self else { return Vec::new() };
+        about.notes.clone()
     }
 
     /// Colour of the code values of photographs in files, and how they are converted.
@@ -180,15 +183,14 @@ fn exposures(samples: &LightSamples) -> Exposures {
     let texels = samples.view_size().iter().product::<usize>().max(1);
     let of_light = |light: usize| {
         let image = &samples.images[light];
-        let mut of_light = Exposures::default();
-        for view in 0..image.len() / texels {
-            of_light.add([view, light], (view * texels..(view + 1) * texels).map(|at| image.pixel(at)));
-        }
-        of_light
+        let of_view = |view: usize| Exposure::of((view * texels..(view + 1) * texels).map(|at| image.pixel(at)));
+        (0..image.len() / texels).map(of_view).collect::<Vec<_>>()
     };
-    let of_lights: Vec<Exposures> = (0..samples.images.len()).into_par_iter().map(of_light).collect();
+    let of_lights: Vec<Vec<Exposure>> = (0..samples.images.len()).into_par_iter().map(of_light).collect();
     let mut all = Exposures::default();
-    of_lights.into_iter().for_each(|one| all.merge(one));
+    for (light, of_views) in of_lights.into_iter().enumerate() {
+        of_views.into_iter().enumerate().for_each(|(view, exposure)| all.add([view, light], exposure));
+    }
     all
 }
 
@@ -256,7 +258,8 @@ fn photographs(path: &Path, codes: Option<CodeValues>) -> Result<(LightSamples, 
     let stack = RtiCapture::open_as(path, codes)?;
     let samples = samples_of_capture(path, &stack)?;
     let mut notes = stack.notes().to_vec();
-    let all = exposures(&samples).uniform();
+    let exposures = exposures(&samples);
+    let all = exposures.uniform();
     let left_out: Vec<usize> = all.iter().flat_map(|(_, places)| places).map(|[_, light]| *light).collect();
     // A flash that failed, or a lens cap: such a photograph predicts no light.
     let left_out = if left_out.len() == samples.lights.len() { Vec::new() } else { left_out };
@@ -268,6 +271,7 @@ fn photographs(path: &Path, codes: Option<CodeValues>) -> Result<(LightSamples, 
         notes.push(format!("left out {count}, whose photograph is {name} everywhere: {files}"));
     }
     notes.extend(near_note(&stack));
+    notes.extend(exposures.without(&left_out).facts().notes());
     let about = About { colour: Some(stack.colour().to_owned()), notes };
     Ok((if left_out.is_empty() { samples } else { samples.without(&left_out) }, about))
 }

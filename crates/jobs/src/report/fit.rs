@@ -86,8 +86,7 @@ pub fn fit_error(
     directions: DirectionRange,
     progress: &dyn Progress,
 ) -> Result<Option<FitError>, Cancelled> {
-    let measure = |completion| FitError::measure(source, completion, directions, progress);
-    source.completion().map(measure).transpose()
+    FitError::measure(source, directions, progress)
 }
 
 /// Checks the fit of the source against its limits, and the errors of fit and output together against the limits of errors.
@@ -111,13 +110,15 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, source: &Reliability, found
     if let Some(limit) = limits.error {
         let allowed = at_most(&percent(limit));
         let result = match (fit.error(), &extrapolation) {
-            (None, _) => ("no samples can be held out".to_owned(), allowed, false),
             (Some(found), Some(problem)) if found <= limit => {
-                (format!("{}, extrapolated: {problem}", percent(found)), or_trusted(&allowed), false)
+                Some((format!("{}, extrapolated: {problem}", percent(found)), or_trusted(&allowed), false))
             }
-            (Some(found), _) => (percent(found), allowed, found <= limit),
+            (Some(found), _) => Some((percent(found), allowed, found <= limit)),
+            (None, _) if fit.too_few => Some(("no samples can be held out".to_owned(), allowed, false)),
+            // A table is no fit, but its samples may not determine it.
+            (None, _) => fit.gaps().filter(|_| !limits.trusted).map(|gaps| (gaps, or_trusted(&allowed), false)),
         };
-        results.push(GateResult::new("max_fit_error", result.0, result.1, result.2));
+        results.extend(result.map(|(found, allowed, passed)| GateResult::new("max_fit_error", found, allowed, passed)));
     }
     if limits.trusted || errors == ErrorLimits::default() {
         return results;
@@ -189,8 +190,11 @@ const SPREAD: f64 = 0.05;
 fn fit_remarks(fit: &FitError, delta_e: f64) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(weakness) = fit.weakness(delta_e) {
-        lines
-            .push(format!("errors are relative to a fit to samples, which is less accurate than the pack: {weakness}"));
+        let to = match fit.error().is_some() || fit.too_few {
+            true => "a fit to samples, which is less accurate than the pack",
+            false => "a table whose samples do not determine the material",
+        };
+        lines.push(format!("errors are relative to {to}: {weakness}"));
     }
     if let Some(Repeats { pairs, spread, largest, .. }) = fit.repeats.filter(|repeats| repeats.spread > SPREAD) {
         let (spread, largest) = (percent(spread), percent(largest));
@@ -281,7 +285,7 @@ mod tests {
             (FitError { rise: rise(4.0, 5.0), ..GOOD }, true),
             (FitError { rise: rise(99.0, 1.2), ..GOOD }, true),
             (FitError { rise: rise(4.0, 1.2), ..GOOD }, false),
-            (FitError { saturation: Some(Saturation { value: 0.5, pairs: 9 }), ..GOOD }, true),
+            (FitError { saturation: Some(Saturation { samples: 9, farthest: 5.0 }), ..GOOD }, true),
             (FitError { rounding: Some(Rounding { step: 0.01, error: 0.03 }), ..GOOD }, true),
             (FitError { rounding: Some(Rounding { step: 0.01, error: 0.01 }), ..GOOD }, false),
             (FitError { samples: None, incidences: None, delta_e: None, too_few: true, ..GOOD }, true),

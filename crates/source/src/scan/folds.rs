@@ -6,7 +6,7 @@ use super::strength::Strength;
 use super::{Points, ScanSource, Tree};
 use crate::scan::coordinates::{Anisotropic, Identity, Isotropic, Space, polar};
 use brdfc_core::Tally;
-use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats, Rise, Rounding, Saturation};
+use brdfc_core::source::{Completion, Fold, MAX_PARTS, Parts, Repeats, Rise, Rounding, Samples, Saturation};
 use brdfc_formats::direction::{DirectionPair, dot};
 use kiddo::SquaredEuclidean;
 use std::collections::BTreeMap;
@@ -128,6 +128,24 @@ impl ScanSource {
     }
 }
 
+impl Samples for ScanSource {
+    fn distance(&self, pair: DirectionPair) -> f64 {
+        match &self.points {
+            Points::Isotropic(tree) => self.nearest::<3, 4, Isotropic>(tree, pair, isotropic_distance),
+            Points::Anisotropic(tree) => self.nearest::<4, 5, Anisotropic>(tree, pair, distance),
+        }
+    }
+
+    fn rise(&self) -> Option<Rise> {
+        let luminance = |value: &[f64; 3]| value.iter().map(|v| (v.exp() - self.bias).max(0.0)).sum::<f64>();
+        rise_to_peaks(self.pairs.iter().copied().zip(self.measured.iter().map(luminance)))
+    }
+
+    fn saturation(&self) -> Option<Saturation> {
+        self.saturation
+    }
+}
+
 impl Completion for ScanSource {
     fn fold_count(&self, parts: Parts) -> usize {
         folds_of(match parts {
@@ -158,13 +176,6 @@ impl Completion for ScanSource {
         Some(Fold { source: Box::new(source), left_out })
     }
 
-    fn distance(&self, pair: DirectionPair) -> f64 {
-        match &self.points {
-            Points::Isotropic(tree) => self.nearest::<3, 4, Isotropic>(tree, pair, isotropic_distance),
-            Points::Anisotropic(tree) => self.nearest::<4, 5, Anisotropic>(tree, pair, distance),
-        }
-    }
-
     fn repeats(&self) -> Option<Repeats> {
         self.repeats
     }
@@ -178,15 +189,6 @@ impl Completion for ScanSource {
                 self.difference_of_exchanged::<4, 5, { TERMS_4D }, Anisotropic>(tree, distance)
             }
         }
-    }
-
-    fn rise(&self) -> Option<Rise> {
-        let luminance = |value: &[f64; 3]| value.iter().map(|v| (v.exp() - self.bias).max(0.0)).sum::<f64>();
-        rise_to_peaks(self.pairs.iter().copied().zip(self.measured.iter().map(luminance)))
-    }
-
-    fn saturation(&self) -> Option<Saturation> {
-        self.saturation
     }
 
     fn rounding(&self) -> Option<Rounding> {

@@ -2,6 +2,7 @@
 //! direction pair.
 
 mod coordinates;
+mod detector;
 mod facts;
 pub mod fit;
 mod folds;
@@ -10,13 +11,12 @@ mod merge;
 mod rise;
 mod strength;
 mod summary;
-mod values;
 
+pub(crate) use detector::saturation;
 pub use facts::{AltaHeader, ScanFacts};
 pub(crate) use folds::isotropic_distance;
 pub(crate) use rise::rise_to_peaks;
 pub use summary::ScanSummary;
-pub(crate) use values::saturation;
 
 use super::error::InputError;
 use super::format::{Format, Opened};
@@ -31,11 +31,11 @@ use brdfc_readers::alta::{self, AltaTable};
 use brdfc_readers::scan::{self, Row, Scan};
 use brdfc_readers::scan_csv;
 use coordinates::{Anisotropic, Identity, Isotropic, Space};
+use detector::{rounding, saturation_of_rows};
 use incidence::Incidence;
 use merge::{Group, merge};
 use std::sync::OnceLock;
 use strength::{LEAST_NOISE, Rows, Smoothed, Strength, Tree};
-use values::rounding;
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
@@ -204,7 +204,7 @@ impl ScanSource {
             let allowed = format!("1 to {}, the number of distinct direction pairs", source.pairs.len());
             return Err(FormatError::whole("neighbours", count.to_string(), allowed));
         }
-        let (saturation, rounding) = (saturation(raised.len(), |row| raised[row], |row| pairs[row]), rounding(&raised));
+        let (saturation, rounding) = (saturation_of_rows(&raised, &pairs), rounding(&raised));
         Ok(Self { saturation, rounding, summary: ScanSummary { negative, ..source.summary }, ..source })
     }
 

@@ -70,17 +70,22 @@ fn rise(peak_at: PeakAt, incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Ri
     };
     let nearest = rows[0].0;
     let apart = (1.75 * nearest).max(nearest + 0.5);
-    let next = rows.iter().find(|(half, _)| *half >= apart)?.0;
-    let (nearest, at_nearest) = mean(nearest, 1.25 * nearest);
+    let first = rows.iter().position(|(half, _)| *half >= apart)?;
+    let (before, next) = (rows[first - 1].0, rows[first].0);
+    let nearest_end = 1.25 * nearest;
+    let (nearest, at_nearest) = mean(nearest, nearest_end);
     let (next, at_next) = mean(next, 1.4 * next);
+    // The peak between the nearest rows and these is resolved.
+    let at_before = if before <= nearest_end { at_nearest } else { mean(0.8 * before, before).1 };
     if at_nearest < 0.5 * diffuse || at_nearest <= 0.0 {
         return None;
     }
-    let ratio = (at_nearest / at_next.max(1e-3 * at_nearest).max(0.02 * diffuse)).max(1.0);
+    let over_next = |value: f64| (value / at_next.max(1e-3 * at_nearest).max(0.02 * diffuse)).max(1.0);
+    let ratio = over_next(at_nearest);
     // D(θ) ∝ 1 / (1 + x)² with x ∝ θ²: x at the nearest, from the ratio and that of the squared angles.
     let (steps, root) = ((next / nearest.max(1e-6)).powi(2), ratio.sqrt());
     let x = if root < steps { ((root - 1.0) / (steps - root)).min(9.0) } else { 9.0 };
-    Some(Rise { peak_at, incidence, nearest, next, ratio, peak: (1.0 + x).powi(2) })
+    Some(Rise { peak_at, incidence, nearest, next, ratio: over_next(at_before), peak: (1.0 + x).powi(2) })
 }
 
 #[cfg(test)]
