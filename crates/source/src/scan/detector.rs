@@ -56,7 +56,7 @@ pub(super) fn saturation_of_rows(values: &[[f64; 3]], pairs: &[DirectionPair]) -
     let of_signal = |factor: fn(DirectionPair) -> f64| {
         saturation(values.len(), |row| values[row].map(|value| value * factor(pairs[row])), |row| pairs[row])
     };
-    signals.into_iter().find_map(of_signal)
+    signals.into_iter().filter_map(of_signal).max_by_key(|found| found.samples)
 }
 
 /// The smallest difference of values, if all are multiples of it. Channels without light do not count.
@@ -111,17 +111,18 @@ mod tests {
     fn saturated_signals_are_found() {
         let pairs: Vec<DirectionPair> = (0..400)
             .map(|k| {
-                DirectionPair::from_angles(0.2 * (k / 100) as f64, 0.0, 0.01 * (k % 100) as f64, std::f64::consts::PI)
+                DirectionPair::from_angles(0.2 * (k / 100) as f64, 0.0, 0.015 * (k % 100) as f64, std::f64::consts::PI)
             })
             .collect();
         let value = |pair: &DirectionPair, limit: f64| {
             let cosine = pair.incoming[2];
-            let light = 2.0 * (-(polar(half_vector(*pair)) / 0.2).powi(2)).exp() * cosine;
+            let light = 2.0 * (-(polar(half_vector(*pair)) / 0.15).powi(2)).exp() * cosine;
             [(light.min(limit) / cosine * 1e7).round() * 1e-7; 3]
         };
         let values = |limit: f64| pairs.iter().map(|pair| value(pair, limit)).collect::<Vec<_>>();
         assert_eq!(saturation_of_rows(&values(9.0), &pairs), None);
-        assert!(saturation_of_rows(&values(1.0), &pairs).unwrap().samples > 50);
+        let found = saturation_of_rows(&values(1.0), &pairs).unwrap();
+        assert!(found.samples > 80 && (found.farthest - 7.0).abs() < 0.5, "{found:?}");
     }
 
     #[test]
