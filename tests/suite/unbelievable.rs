@@ -139,6 +139,7 @@ kinds! {
     one_incidence: Kind { incidences: 1, expected: "are more than 10° from any sample", ..DENSE };
     /// No light and viewer more than 90° apart.
     gaps_beyond_the_ball: Kind {
+        model: "synth:lambert?kd=0.3,0.1,0.2",
         measured: |pair| (0..3).map(|axis| pair.incoming[axis] * pair.outgoing[axis]).sum::<f64>() >= 0.0,
         expected: "of the test directions, over which",
         ..DENSE
@@ -150,11 +151,11 @@ kinds! {
         expected: "narrower than the samples resolve",
         ..DENSE
     };
-    /// Rows end 17° beside the plane of incidence: half vectors are up to 15° from the normal at high incidences, and 1° at low ones.
+    /// Rows end 17° from the plane of incidence: half vectors are up to 15° from the normal at high incidences, and 1° at low ones.
     highlight_missed_at_high_incidences: Kind {
         model: "synth:ggx?kd=0.05&f0=0.9&alpha=0.15",
         measured: |pair| pair.outgoing[1].atan2(pair.outgoing[0]).abs() < 2.85,
-        expected: "at 70° incidence values rise",
+        expected: "° incidence values rise",
         ..DENSE
     };
     saturated: Kind { stored: |value| value.min(0.12), expected: "the detector was saturated", ..DENSE };
@@ -285,7 +286,7 @@ fn all_commands_print_gaps() {
     }
     folder.write("dense.csv", DENSE.csv());
     let dense = folder.run(&["info", "dense.csv"]).succeeded();
-    assert!(!dense.stderr.contains("does not determine"), "{dense:?}");
+    assert!(!dense.stderr.contains("not determine"), "{dense:?}");
     // The error of a fit has a limit in conversions, too.
     let convert = |limit: &str| {
         let table = ["convert", "dense.csv", "-o", "table.binary", "--dimensions", "30x30x60"];

@@ -2,6 +2,29 @@
 
 use super::StrayRows;
 use brdfc_formats::crop::DirectionRange;
+use std::array::from_fn;
+
+/// Samples with the smallest value of each channel. If they are many, it may be a detector's limit or a mark of missing samples.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Darkest {
+    /// The smallest values, 1/sr.
+    pub value: [f64; 3],
+    /// Number of samples.
+    pub samples: u64,
+}
+
+impl Darkest {
+    /// Counts the darkest of samples, which are 0 or more, or NaN if not measured; `None` if all are equal.
+    pub fn of(samples: impl Iterator<Item = [f64; 3]> + Clone) -> Option<Self> {
+        let (mut value, mut largest) = ([f64::INFINITY; 3], [0.0; 3]);
+        for sample in samples.clone() {
+            value = from_fn(|channel| sample[channel].min(value[channel]));
+            largest = from_fn(|channel| sample[channel].max(largest[channel]));
+        }
+        let count = || samples.filter(|sample| *sample == value).count() as u64;
+        (value != largest).then(|| Self { value, samples: count() })
+    }
+}
 
 /// Facts about an input, from its reader.
 pub trait Describe {
@@ -26,9 +49,9 @@ pub trait Describe {
         0
     }
 
-    /// Number of rows that are 0 in all channels.
-    fn rows_zero(&self) -> u64 {
-        0
+    /// The darkest samples; `None` for models, and if all samples are equal.
+    fn darkest(&self) -> Option<Darkest> {
+        None
     }
 
     /// Rows of a scan whose azimuth of incidence differs from the azimuth of the other rows.

@@ -18,7 +18,7 @@ pub mod whole_number;
 pub mod words;
 
 pub use brdfc_formats::Symmetry;
-pub use describe::Describe;
+pub use describe::{Darkest, Describe};
 pub use luminance::{LUMINANCE_WEIGHTS, luminance};
 pub use pack_source::PackSource;
 pub use smooth::Smooth;

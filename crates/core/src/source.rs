@@ -134,6 +134,9 @@ pub const MAX_PEAK: f64 = 2.5;
 /// is on its peak.
 pub const MAX_RISE: f64 = 30.0;
 
+/// Maximum mean error of rounding, as a fraction of the value: about ΔE 1.
+pub const MAX_ROUNDING: f64 = 0.02;
+
 /// The samples of a source.
 pub trait Samples: Sync {
     /// Distance of a direction pair from the nearest sample: the larger of the angles between their lights and between
@@ -145,6 +148,9 @@ pub trait Samples: Sync {
 
     /// A plateau at the largest value; `None` without one.
     fn saturation(&self) -> Option<Saturation>;
+
+    /// Rounding of the values; `None` if they have no common step.
+    fn rounding(&self) -> Option<Rounding>;
 }
 
 /// The samples that a source is completed from.
@@ -162,7 +168,4 @@ pub trait Completion: Samples {
     /// less the estimated noise: 0 for reciprocal reflectance, and for differences that the error of the fit explains. `None` if too
     /// few exchanged samples are near others.
     fn exchanged(&self) -> Option<f64>;
-
-    /// Rounding of the values; `None` if they have no common step.
-    fn rounding(&self) -> Option<Rounding>;
 }

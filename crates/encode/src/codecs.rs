@@ -4,7 +4,7 @@ use brdfc_codec::{
     BrdfRecipe, BrdfReport, Encode, EncodeError, EncodeOptions, Encoded, GridCache, OptionError, Variant,
 };
 use brdfc_core::progress::Progress;
-use brdfc_core::{Describe, Source, StrayRows};
+use brdfc_core::{Darkest, Describe, Source, StrayRows};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::{BrdfPack, PackKind};
 use encoders::{table, wavelet};
@@ -170,8 +170,8 @@ impl Describe for PackFacts {
         self.of_codec().rows_raised()
     }
 
-    fn rows_zero(&self) -> u64 {
-        self.of_codec().rows_zero()
+    fn darkest(&self) -> Option<Darkest> {
+        self.of_codec().darkest()
     }
 
     fn stray_rows(&self) -> Option<StrayRows> {

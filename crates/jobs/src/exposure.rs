@@ -38,7 +38,7 @@ impl Exposure {
     }
 }
 
-/// What is to be known about the exposures of images.
+/// Exposures of all images of an asset.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ExposureFacts {
     /// Number of images.

@@ -6,8 +6,9 @@ use super::rendering::{ReferenceRendering, coarse_rendering_pairs};
 use super::sampling::PairSet;
 use brdfc_core::progress::{Cancelled, Progress, Stage};
 use brdfc_core::source::{
-    Completion, Fold, MAX_PEAK, MAX_RISE, Parts, PeakAt, Repeats, Rise, Rounding, Samples, Saturation,
+    Completion, Fold, MAX_PEAK, MAX_RISE, MAX_ROUNDING, Parts, PeakAt, Repeats, Rise, Rounding, Samples, Saturation,
 };
+use brdfc_core::words::format_number;
 use brdfc_core::{Source, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_formats::direction::DirectionPair;
@@ -22,14 +23,14 @@ const FOLDS_AT_ONCE: usize = 2;
 pub const COVERED: f64 = 10.0;
 /// The fit counts as mostly a guess above this share of uncovered pairs.
 pub const MAX_UNCOVERED: f64 = 0.1;
+/// As [`MAX_UNCOVERED`], of tables, whose values in gaps have no estimated error.
+pub const MAX_UNCOVERED_OF_TABLES: f64 = 0.02;
 /// Repeats disagree above this spread: the larger of two values is twice the smaller.
 pub const MAX_SPREAD: f64 = 0.5;
 /// Repeats are representative above this share of the direction pairs.
 const MANY_REPEATS: f64 = 0.1;
 /// Samples contradict reciprocity above this mean difference of exchanged ones.
 pub const MAX_EXCHANGED: f64 = 0.05;
-/// Maximum mean error of rounding, as a fraction of the value: about ΔE 1.
-pub const MAX_ROUNDING: f64 = 0.02;
 /// Each held-out incidence doubles a gap. If the error grows with the square of the gap, the error becomes four times
 /// as large, and each gap is doubled from both its ends.
 const GAPS: f64 = 1.0 / 6.0;
@@ -69,6 +70,8 @@ pub struct FitError {
     pub saturation: Option<Saturation>,
     /// Rounding of the values; absent if they have no common step.
     pub rounding: Option<Rounding>,
+    /// True if the source is completed from scattered samples, false for a table.
+    pub completed: bool,
     /// True if too few samples remain when some are held out.
     pub too_few: bool,
 }
@@ -93,9 +96,9 @@ impl Gaps {
     }
 
     /// Description of gaps that make an error over these pairs an extrapolation.
-    fn problem(&self, pairs: &str) -> Option<String> {
+    fn problem(&self, pairs: &str, most: f64) -> Option<String> {
         let (share, farthest) = (100.0 * self.uncovered, self.farthest);
-        (self.uncovered > MAX_UNCOVERED).then(|| {
+        (self.uncovered > most).then(|| {
             format!("{share:.0} % of the {pairs} are more than {COVERED}° from any sample, up to {farthest:.0}°")
         })
     }
@@ -191,7 +194,8 @@ impl FitError {
             exchanged: completion.and_then(Completion::exchanged),
             rise: samples.rise(),
             saturation: samples.saturation(),
-            rounding: completion.and_then(Completion::rounding),
+            rounding: samples.rounding(),
+            completed: completion.is_some(),
             too_few: false,
         })
     }
@@ -207,14 +211,18 @@ impl FitError {
         if key(&self.ball) > key(&self.test_directions) { self.ball } else { self.test_directions }
     }
 
+    fn max_uncovered(&self) -> f64 {
+        if self.completed { MAX_UNCOVERED } else { MAX_UNCOVERED_OF_TABLES }
+    }
+
     /// Reason why `ε_r` of the fit, and `ε_r` of a pack against the material, are extrapolated; `None` if they are not.
     pub fn extrapolation(&self) -> Option<String> {
-        self.test_directions.problem("test directions, over which ε_r is a mean,")
+        self.test_directions.problem("test directions, over which ε_r is a mean,", self.max_uncovered())
     }
 
     /// Reason why the samples do not determine the renderings, for any pack; `None` if they do.
     pub fn gaps(&self) -> Option<String> {
-        if let Some(problem) = self.ball.problem("ball's pixels") {
+        if let Some(problem) = self.ball.problem("ball's pixels", self.max_uncovered()) {
             return Some(problem);
         }
         if let Some(repeats) =
@@ -248,7 +256,9 @@ impl FitError {
             ));
         }
         if let Some(Rounding { step, error }) = self.rounding.filter(|rounding| rounding.error > MAX_ROUNDING) {
-            let error = 100.0 * error;
+            // Three digits, without those of binary fractions.
+            let step: f64 = format!("{step:.2e}").parse().unwrap_or(step);
+            let (step, error) = (format_number(step), 100.0 * error);
             return Some(format!(
                 "values are rounded to multiples of {step}, which changes them by {error:.0} % on average"
             ));

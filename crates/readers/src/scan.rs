@@ -46,6 +46,8 @@ pub struct Scan {
     pub rows: Vec<Row>,
     /// Line of the file at which each row starts; empty without a file.
     pub lines: Vec<u64>,
+    /// Power of ten of which all values of the spectra are multiples, by their decimals; absent for RGB, and without a file.
+    pub step: Option<f64>,
 }
 
 impl Scan {
@@ -69,6 +71,7 @@ impl Scan {
 
         let width = 4 + wavelengths.len();
         let mut scan = Self { wavelengths, ..Self::default() };
+        let mut last_place = i32::MAX;
         let mut numbers = Vec::with_capacity(width);
         let mut start = 0;
         let mut last = header_end;
@@ -78,6 +81,9 @@ impl Scan {
                     start = line;
                 }
                 numbers.push(number(token, line, "value")?);
+                if (5..=width).contains(&numbers.len()) {
+                    last_place = last_place.min(last_place_of(token));
+                }
             }
             last = line;
             if numbers.len() > width {
@@ -107,6 +113,7 @@ impl Scan {
             let allowed = "at least one row after the header";
             return Err(FormatError::at_line(last, "rows", "no measurements", allowed).problem());
         }
+        scan.step = Some(10f64.powi(last_place));
         Ok(scan)
     }
 }
@@ -217,6 +224,13 @@ pub(crate) fn number(token: &str, line: u64, field: &'static str) -> Result<f64,
     })
 }
 
+/// Power of ten of the last digit of a number: -3 for `0.250`, and for `2.50e-1`.
+fn last_place_of(token: &str) -> i32 {
+    let (digits, exponent) = token.split_once(['e', 'E']).unwrap_or((token, "0"));
+    let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len() as i32);
+    exponent.parse().unwrap_or(0i32).saturating_sub(decimals)
+}
+
 /// Returns true if a token would be a number with a point instead of its comma.
 pub(crate) fn has_decimal_comma(token: &str) -> bool {
     let digit = |c: char| c.is_ascii_digit();
@@ -278,6 +292,8 @@ mod tests {
         let scan = Scan::from_bytes(GOOD.as_bytes()).unwrap();
         assert_eq!(scan.wavelengths, [450.0, 600.0]);
         assert_eq!(scan.rows.len(), 2);
+        assert_eq!(scan.step, Some(1.0));
+        assert_eq!(["0.250", "2.50e-1", "7", "-3.5E2", "1e-400"].map(last_place_of), [-3, -3, 0, 1, -400]);
         let row = scan.rows[1];
         assert_eq!((row.theta_i, row.phi_i, row.theta_o, row.phi_o), (0.4, 0.0, 0.5, -0.6));
         for channel in row.value {

@@ -4,12 +4,12 @@ use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::InputFile;
 use super::read::{MAX_FILE_BYTES, check_length};
-use super::scan::{isotropic_distance, rise_to_peaks, saturation};
+use super::scan::{isotropic_distance, rise_to_peaks, rounding, saturation};
 use super::smooth::{Axis, Grid, Smoothed, smooth};
-use brdfc_core::Describe;
 use brdfc_core::half_difference::HalfDifference;
 use brdfc_core::pair_list::PairBlock;
-use brdfc_core::source::{Rise, Samples, Saturation};
+use brdfc_core::source::{MAX_ROUNDING, Rise, Rounding, Samples, Saturation};
+use brdfc_core::{Darkest, Describe};
 use brdfc_core::{Source, Symmetry, Tally};
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::merl::{self, Merl, MerlError};
@@ -34,6 +34,8 @@ pub struct MerlFacts {
     pub valid_cells: usize,
     /// Cells without a measurement.
     pub invalid_cells: usize,
+    /// The darkest cells; absent if all are equal.
+    pub darkest: Option<Darkest>,
     /// Smoothing, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smoothed: Option<Smoothed>,
@@ -41,7 +43,7 @@ pub struct MerlFacts {
 
 impl Describe for MerlFacts {
     fn lines(&self) -> Vec<(&'static str, String)> {
-        let Self { dimensions: [h, d, p], valid_cells, invalid_cells, smoothed } = self;
+        let Self { dimensions: [h, d, p], valid_cells, invalid_cells, smoothed, .. } = self;
         let mut lines = vec![
             ("kind", "MERL table".to_owned()),
             ("samples (theta_h x theta_d x phi_d)", format!("{h} x {d} x {p}")),
@@ -54,6 +56,10 @@ impl Describe for MerlFacts {
 
     fn samples(&self) -> u64 {
         self.valid_cells as u64
+    }
+
+    fn darkest(&self) -> Option<Darkest> {
+        self.darkest
     }
 }
 
@@ -74,13 +80,22 @@ fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, Input
     // Along θ_h and θ_d the table ends; azimuths start again.
     let shape = [n.theta_half, n.theta_difference, n.phi_difference];
     let grid = Grid { shape, axes: [Axis::Open, Axis::Open, Axis::Periodic] };
-    let saturation = saturation_of(&table);
+    let marks = Marks::of(&table);
     let smoothed = smoothing.map(|radius| smooth(&mut table.values, grid, radius));
-    // Smoothing hides it.
-    let source = MerlSource { saturation, ..MerlSource::new(table) };
+    // Smoothing hides them.
+    let source = MerlSource { marks, ..MerlSource::new(table) };
     let valid_cells = source.table().valid_cells;
-    let facts = MerlFacts { dimensions: shape, valid_cells, invalid_cells: n.cells() - valid_cells, smoothed };
+    let darkest = marks.darkest;
+    let facts = MerlFacts { dimensions: shape, valid_cells, invalid_cells: n.cells() - valid_cells, darkest, smoothed };
     Ok(Opened { source: Box::new(source), facts: facts.into() })
+}
+
+/// Marks of a detector or of decimals in the values of a table.
+#[derive(Debug, Clone, Copy)]
+struct Marks {
+    saturation: Option<Saturation>,
+    rounding: Option<Rounding>,
+    darkest: Option<Darkest>,
 }
 
 /// A MERL table, interpolated trilinearly in `(sqrt(theta_h), theta_d, phi_d)`.
@@ -88,7 +103,7 @@ fn open<F: From<MerlFacts>>(mut input: InputFile<'_>) -> Result<Opened<F>, Input
 pub struct MerlSource {
     table: Merl,
     symmetry: Symmetry,
-    saturation: Option<Saturation>,
+    marks: Marks,
     nearest: OnceLock<Vec<u32>>,
 }
 
@@ -103,7 +118,7 @@ impl MerlSource {
             mirror: table.is_mirror_symmetric(SYMMETRY_TOLERANCE),
             reciprocal: table.is_reciprocal(SYMMETRY_TOLERANCE),
         };
-        Self { saturation: saturation_of(&table), table, symmetry, nearest: OnceLock::new() }
+        Self { marks: Marks::of(&table), table, symmetry, nearest: OnceLock::new() }
     }
 
     /// Table that was read; NaN in cells without a valid measurement.
@@ -137,7 +152,7 @@ impl Source for MerlSource {
         // The last step is the largest one.
         let half = n.sample_angles(n.theta_half, 0, 0)[0] - n.sample_angles(n.theta_half - 1, 0, 0)[0];
         let is_coarse = half.max(difference).max(azimuth) > COARSE;
-        (has_gaps || is_coarse || self.saturation.is_some()).then_some(self)
+        (has_gaps || is_coarse || self.marks.are_doubtful()).then_some(self)
     }
 }
 
@@ -163,12 +178,28 @@ impl Samples for MerlSource {
     }
 
     fn saturation(&self) -> Option<Saturation> {
-        self.saturation
+        self.marks.saturation
+    }
+
+    fn rounding(&self) -> Option<Rounding> {
+        self.marks.rounding
     }
 }
 
-fn saturation_of(table: &Merl) -> Option<Saturation> {
-    saturation(table.dimensions.cells(), |cell| table.values[cell].map(f64::from), |cell| pair_of_cell(table, cell))
+impl Marks {
+    fn of(table: &Merl) -> Self {
+        let value = |cell: usize| table.values[cell].map(f64::from);
+        let valid: Vec<[f64; 3]> = (0..table.values.len()).map(value).filter(|value| !value[0].is_nan()).collect();
+        Self {
+            saturation: saturation(table.dimensions.cells(), value, |cell| pair_of_cell(table, cell)),
+            rounding: rounding(&valid, None),
+            darkest: Darkest::of(valid.iter().copied()),
+        }
+    }
+
+    fn are_doubtful(&self) -> bool {
+        self.saturation.is_some() || self.rounding.is_some_and(|rounding| rounding.error > MAX_ROUNDING)
+    }
 }
 
 fn pair_of_cell(table: &Merl, cell: usize) -> DirectionPair {

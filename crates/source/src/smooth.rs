@@ -278,9 +278,9 @@ fn weight(t: f64) -> f64 {
     (1.0 - t * t).powi(2)
 }
 
-/// A fraction of the median of all positive values; 1 for a black table.
-fn log_bias(values: &[[f32; 3]]) -> f64 {
-    let positive: Vec<f64> = values.iter().flatten().filter(|v| **v > 0.0).map(|v| f64::from(*v)).collect();
+/// Bias of the logarithm: a fraction of the median of all positive values, below which they are dark noise; 1 if all are black.
+pub(crate) fn log_bias<T: Copy + Into<f64>>(values: &[[T; 3]]) -> f64 {
+    let positive: Vec<f64> = values.iter().flatten().map(|v| (*v).into()).filter(|v| *v > 0.0).collect();
     if positive.is_empty() { 1.0 } else { LOG_BIAS * median(positive) }
 }
 

@@ -190,7 +190,7 @@ const SPREAD: f64 = 0.05;
 fn fit_remarks(fit: &FitError, delta_e: f64) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(weakness) = fit.weakness(delta_e) {
-        let to = match fit.error().is_some() || fit.too_few {
+        let to = match fit.completed {
             true => "a fit to samples, which is less accurate than the pack",
             false => "a table whose samples do not determine the material",
         };
@@ -230,6 +230,7 @@ mod tests {
         repeats: None,
         saturation: None,
         rounding: None,
+        completed: true,
         too_few: false,
     };
 

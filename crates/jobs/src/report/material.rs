@@ -6,7 +6,7 @@ use crate::pack_files::entries;
 use brdfc_codec::HIGHLIGHT;
 use brdfc_core::progress::{Cancelled, Progress};
 use brdfc_core::words::{bytes, percent};
-use brdfc_core::{StrayRows, Tally};
+use brdfc_core::{Darkest, StrayRows, Tally};
 use brdfc_formats::crop::DirectionRange;
 use brdfc_metrics::compare::Comparison;
 use brdfc_metrics::fit_error::FitError;
@@ -48,8 +48,9 @@ pub struct MaterialReport {
     pub fit: Option<FitError>,
     /// Rows of the input with a negative channel, which was raised to 0.
     pub rows_raised: u64,
-    /// Rows of the input that are 0 in all channels.
-    pub rows_zero: u64,
+    /// Samples of the input with the smallest value of each channel; absent for models, and if all samples are equal.
+    #[serde(default)]
+    pub darkest: Option<Darkest>,
     /// Rows of a scan whose azimuth of incidence differs from the others, if any.
     pub stray_rows: Option<StrayRows>,
     /// First and last wavelength, nm, of spectra that lack a part of the visible range which colours depend on.
@@ -80,7 +81,7 @@ impl MaterialReport {
             samples_in: input.samples(),
             fit: fit_error(source, directions, progress)?,
             rows_raised: input.rows_raised(),
-            rows_zero: input.rows_zero(),
+            darkest: input.darkest(),
             stray_rows: input.stray_rows(),
             partial_spectrum: input.partial_spectrum(),
             evaluated: encoded.evaluated,
@@ -120,11 +121,27 @@ const ENERGY: f64 = 1.1;
 /// Albedos outside this range suggest values in another unit. The blackest coatings reflect a few ten-thousandths.
 const USUAL_ALBEDO: [f64; 2] = [1e-4, 10.0];
 
-/// Share of rows of zeros above which they are reported.
-const MANY_ZERO_ROWS: f64 = 0.05;
+/// Share of the darkest samples above which they are reported.
+const MANY_DARKEST: f64 = 0.05;
 
 /// Hint for albedos outside the usual range.
 const UNITS: &str = "; check the unit of its values, which is 1/sr";
+
+/// Note on many samples with the smallest value.
+fn darkest_summary(darkest: Darkest, all: u64) -> Option<String> {
+    let Darkest { value, samples } = darkest;
+    let share = samples as f64 / all.max(1) as f64;
+    let meaning = match value == [0.0; 3] {
+        true => "are 0 in all channels, which counts as measured; leave out samples that were not".to_owned(),
+        false => {
+            let [r, g, b] = value;
+            format!(
+                "have the smallest value, {r:.3} {g:.3} {b:.3}: if it is the detector's limit, the material is darker there"
+            )
+        }
+    };
+    (share > MANY_DARKEST).then(|| format!("{samples} of {all} samples ({:.1} %) {meaning}", 100.0 * share))
+}
 
 /// Notes on a material, one per line; empty for a clean source.
 pub fn remarks(report: &MaterialReport) -> Vec<String> {
@@ -134,14 +151,7 @@ pub fn remarks(report: &MaterialReport) -> Vec<String> {
         let (raised, all) = (report.rows_raised, report.samples_in);
         lines.push(format!("{raised} of {all} rows ({share:.1} %) had a negative channel, which was raised to 0"));
     }
-    let zero = report.rows_zero as f64 / report.samples_in.max(1) as f64;
-    if zero > MANY_ZERO_ROWS {
-        let (rows, all) = (report.rows_zero, report.samples_in);
-        lines.push(format!(
-            "{rows} of {all} rows ({:.1} %) are 0 in all channels, which counts as measured; leave out rows that were not",
-            100.0 * zero
-        ));
-    }
+    lines.extend(report.darkest.and_then(|darkest| darkest_summary(darkest, report.samples_in)));
     lines.extend(report.stray_rows.map(|strays| strays.summary()));
     lines.extend(report.partial_spectrum.map(|[first, last]| {
         format!(

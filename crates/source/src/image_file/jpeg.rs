@@ -130,7 +130,7 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
 }
 
 /// States the transform of colours in Adobe's segment as libjpeg chooses it (`default_decompress_parms` of version 6b and later), where
-/// the decoder chooses another: three components are YCbCr in JFIF files, whatever Adobe's segment says, and RGB if they are named so and
+/// the decoder chooses another: three components are YCbCr in JFIF files, whether or not Adobe's segment says so, and RGB if they are named so and
 /// there is neither segment.
 fn state_transform(jpeg: &mut Vec<u8>) {
     let begins = |marker: u8, name: &[u8]| {

@@ -1,25 +1,32 @@
 //! Marks that a detector or a file's decimals leave in values: a plateau at the largest one, and a common step.
 
-use super::LOG_BIAS;
 use super::coordinates::polar;
+use crate::smooth::log_bias;
 use brdfc_core::source::{Rounding, Saturation};
-use brdfc_formats::direction::{DirectionPair, half_vector};
-use std::collections::BTreeSet;
+use brdfc_formats::direction::{DirectionPair, dot, half_vector};
 
 /// Minimum number of samples of a plateau.
 const MIN_SATURATED: usize = 8;
-/// Largest relative difference of samples of a plateau: values are rounded, also after a division by a cosine.
-const EQUAL: f64 = 1e-4;
-/// Minimum range of their half angles, degrees: a peak has its largest value at one half angle, if at many incidences.
-const MIN_RANGE: f64 = 1.0;
-/// Minimum ratio of the number of samples at the largest value and at the next one: rounding makes as many equal at any value.
+/// Depths of plateaus, relative to the largest value: values are rounded, also after a division by a cosine, and noisy.
+const DEPTHS: [f64; 5] = [1e-4, 1e-3, 0.01, 0.03, 0.06];
+/// Depth, in units of a plateau's, of the values that are compared with it. Within it, a quadratic peak in one dimension has twice as many
+/// samples as within the plateau, and four times as many in two dimensions.
+const COMPARED: f64 = 4.0;
+/// Minimum ratio of the number of samples of a plateau and below it. Rounding makes as many equal at any value.
 const MORE: usize = 3;
-/// Minimum ratio of the largest value and the median: the values of matte materials are nearly equal.
-const ABOVE_MEDIAN: f64 = 1.5;
+/// Minimum range of half angles of a plateau, degrees, and of the angles between light and half vector: at many incidences a highlight has
+/// its largest value at one half angle, and a retroreflection at one angle between light and half vector.
+const MIN_RANGE: f64 = 1.0;
+/// Minimum ratio of the largest value and others: the values of matte materials are nearly equal.
+const ABOVE_OTHERS: f64 = 1.5;
+/// Minimum share of these others. Half angles of tables are dense in the highlight.
+const OTHERS: f64 = 0.25;
 /// Minimum number of distinct values of a channel that have a step; constants have none.
 const MIN_DISTINCT: usize = 3;
 /// Largest distance of a value from a multiple of the step, in steps.
 const OFF_STEP: f64 = 0.01;
+/// Maximum number of values from which the step is found.
+const FOR_STEP: usize = 4096;
 
 /// The plateau at the largest signal of `count` samples, in the channel with the widest one. Signals are values, or values times cosines,
 /// and NaN if not measured.
@@ -29,22 +36,31 @@ pub(crate) fn saturation(
     pair: impl Fn(usize) -> DirectionPair,
 ) -> Option<Saturation> {
     let of_channel = |channel: usize| {
-        let signal = |index: usize| signal(index)[channel];
-        let below = |limit: f64| (0..count).map(signal).filter(|value| *value < limit).fold(0.0, f64::max);
-        let equal =
-            |limit: f64| (0..count).filter(move |index| (limit * (1.0 - EQUAL)..=limit).contains(&signal(*index)));
-        let largest = below(f64::INFINITY);
-        let plateau: Vec<usize> = if largest > 0.0 { equal(largest).collect() } else { Vec::new() };
-        let angles = || plateau.iter().map(|index| polar(half_vector(pair(*index))).to_degrees());
-        let [first, last] = [angles().fold(f64::INFINITY, f64::min), angles().fold(0.0, f64::max)];
-        if plateau.len() < MIN_SATURATED || last - first < MIN_RANGE {
+        let signals = || (0..count).map(|index| signal(index)[channel]);
+        let largest = signals().fold(0.0, f64::max);
+        let positive = signals().filter(|value| *value > 0.0).count();
+        let others = signals().filter(|value| *value > 0.0 && value * ABOVE_OTHERS < largest).count();
+        if others as f64 <= OTHERS * positive as f64 {
             return None;
         }
-        let next = below(largest * (1.0 - EQUAL));
-        let positive = (0..count).filter(|index| signal(*index) > 0.0).count();
-        let bright = (0..count).filter(|index| ABOVE_MEDIAN * signal(*index) >= largest).count();
-        let is_cut = 2 * bright < positive && plateau.len() >= MORE * equal(next).count().max(1);
-        is_cut.then_some(Saturation { samples: plateau.len(), farthest: last })
+        let is_plateau = |depth: &f64| {
+            let end = largest * (1.0 - depth);
+            let within = |start: f64, end: f64| signals().filter(|value| (start..end).contains(value)).count();
+            let next = signals().filter(|value| *value < end).fold(0.0, f64::max);
+            let start = (largest * (1.0 - COMPARED * depth)).min(next * (1.0 - depth));
+            let samples = within(end, f64::INFINITY);
+            samples >= MIN_SATURATED && samples >= MORE * within(start, end).max(1)
+        };
+        let end = largest * (1.0 - DEPTHS.iter().find(|depth| is_plateau(depth))?);
+        let pairs = || (0..count).filter(|index| signal(*index)[channel] >= end).map(&pair);
+        let range = |angle: fn(DirectionPair) -> f64| {
+            let angles = || pairs().map(|pair| angle(pair).to_degrees());
+            [angles().fold(f64::INFINITY, f64::min), angles().fold(0.0, f64::max)]
+        };
+        let half = range(|pair| polar(half_vector(pair)));
+        let difference = range(|pair| 0.5 * dot(pair.incoming, pair.outgoing).clamp(-1.0, 1.0).acos());
+        let is_wide = [half, difference].iter().all(|[first, last]| last - first >= MIN_RANGE);
+        is_wide.then(|| Saturation { samples: pairs().count(), farthest: half[1] })
     };
     (0..3).filter_map(of_channel).max_by_key(|found| found.samples)
 }
@@ -59,25 +75,36 @@ pub(super) fn saturation_of_rows(values: &[[f64; 3]], pairs: &[DirectionPair]) -
     signals.into_iter().filter_map(of_signal).max_by_key(|found| found.samples)
 }
 
-/// The smallest difference of values, if all are multiples of it. Channels without light do not count.
-pub(super) fn rounding(values: &[[f64; 3]]) -> Option<Rounding> {
-    let channel = |channel: usize| values.iter().map(move |value| value[channel]);
-    let lit = (0..3).filter(|k| channel(*k).any(|value| value > 0.0));
-    let all: Vec<f64> = lit.flat_map(channel).collect();
-    let mut positive: Vec<f64> = all.iter().copied().filter(|value| *value > 0.0).collect();
-    positive.sort_by(f64::total_cmp);
-    let largest = *positive.last()?;
-    let steps = positive.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * largest);
+/// Rounding of values, whose step is known from decimals, or else found in each channel.
+pub(crate) fn rounding(values: &[[f64; 3]], known: Option<f64>) -> Option<Rounding> {
+    let floor = log_bias(values);
+    let of_channel = |channel: usize| {
+        let positive = || values.iter().map(|value| value[channel]).filter(|value| *value > 0.0);
+        let step = known.or_else(|| step_of(positive))?;
+        let error = |value: &[f64; 3]| 0.25 * step / value[channel].max(floor);
+        Some(Rounding { step, error: values.iter().map(error).sum::<f64>() / values.len() as f64 })
+    };
+    let lit = (0..3).filter(|channel| values.iter().any(|value| value[*channel] > 0.0));
+    let channels: Vec<Option<Rounding>> = lit.map(of_channel).collect();
+    let found = || channels.iter().flatten().copied();
+    let worst = found().max_by(|a, b| a.error.total_cmp(&b.error))?;
+    Some(Rounding {
+        step: worst.step,
+        error: found().map(|rounding| rounding.error).sum::<f64>() / channels.len() as f64,
+    })
+}
+
+/// The smallest difference of positive values, if all are multiples of it.
+fn step_of<I: Iterator<Item = f64>>(positive: impl Fn() -> I) -> Option<f64> {
+    let mut some: Vec<f64> = positive().step_by((positive().count() / FOR_STEP).max(1)).collect();
+    some.sort_by(f64::total_cmp);
+    let largest = *some.last()?;
+    let steps = some.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * largest);
+    let distinct = 1 + steps.clone().count();
     // Without the rounding of differences.
-    let step = largest / (largest / steps.fold(positive[0], f64::min)).round();
-    let is_multiple = |value: &f64| (value / step - (value / step).round()).abs() <= OFF_STEP;
-    let distinct = |k: usize| channel(k).map(f64::to_bits).collect::<BTreeSet<_>>().len();
-    if !positive.iter().all(is_multiple) || (0..3).all(|k| distinct(k) < MIN_DISTINCT) {
-        return None;
-    }
-    let floor = LOG_BIAS * positive[positive.len() / 2];
-    let error = all.iter().map(|value| 0.25 * step / value.max(floor)).sum::<f64>() / all.len() as f64;
-    Some(Rounding { step, error })
+    let step = largest / (largest / steps.fold(some[0], f64::min)).round();
+    let is_multiple = |value: f64| (value / step - (value / step).round()).abs() <= OFF_STEP;
+    (distinct >= MIN_DISTINCT && some.iter().copied().all(is_multiple) && positive().all(is_multiple)).then_some(step)
 }
 
 #[cfg(test)]
@@ -99,6 +126,18 @@ mod tests {
         assert_eq!(of(&lobe), None);
         let found = of(&|k| lobe(k).min(1.0)).unwrap();
         assert!(found.samples == 36 && (found.farthest - 4.3).abs() < 0.1, "{found:?}");
+        // With noise.
+        for noise in [1e-4, 3e-3, 0.01] {
+            let noisy = |k: usize| lobe(k).min(1.0) * (1.0 + noise * (2.7 * k as f64).sin());
+            assert!(of(&noisy).unwrap().samples >= 36, "{noise}");
+            assert_eq!(of(&|k| lobe(k) * (1.0 + noise * (2.7 * k as f64).sin())), None, "{noise}");
+        }
+        // A retroreflection of incidences up to 57 degrees.
+        let retro = |k: usize| {
+            let incidence = 0.05 * (k / 10) as f64;
+            DirectionPair::from_angles(incidence, 0.0, incidence + 0.02 * (k % 10) as f64, 0.0)
+        };
+        assert_eq!(saturation(200, |k| [if k % 10 == 0 { 1.0 } else { 0.1 }; 3], retro), None);
         // Matte materials are flat, rounded values have plateaus everywhere, and exact peaks are at one half angle.
         assert_eq!(of(&|_| 0.3), None);
         assert_eq!(of(&|_| 0.0), None);
@@ -129,18 +168,24 @@ mod tests {
     fn a_common_step_is_rounding() {
         let values = |step: f64| -> Vec<[f64; 3]> { (0..200).map(|k| [(lobe(k) / step).round() * step; 3]).collect() };
         for step in [0.05, 0.01] {
-            let found = rounding(&values(step)).unwrap();
+            let found = rounding(&values(step), None).unwrap();
             assert!(
                 (found.step - step).abs() < 1e-12 && (3.0..10.0).contains(&(4.0 * found.error / step)),
                 "{found:?}"
             );
         }
-        assert!(rounding(&values(1e-6)).unwrap().error < 1e-4);
+        assert!(rounding(&values(1e-6), None).unwrap().error < 1e-4);
+        // Channels with gains of their own, and decimals of spectra.
+        let gains: Vec<[f64; 3]> = values(0.01).iter().map(|v| [1.0, 1.07, 0.93].map(|gain| gain * v[0])).collect();
+        assert!((rounding(&gains, None).unwrap().step - 0.01).abs() < 1e-3);
+        let exact: Vec<[f64; 3]> = (0..200).map(|k| [lobe(k); 3]).collect();
+        let known = rounding(&exact, Some(0.05)).unwrap();
+        assert!((known.error / rounding(&values(0.05), None).unwrap().error - 1.0).abs() < 0.1, "{known:?}");
         // Values that are rounded to 0 are the worst.
         let dark: Vec<[f64; 3]> = values(0.05).iter().map(|v| v.map(|f| ((f - 0.1) / 0.05).round() * 0.05)).collect();
-        assert!(rounding(&dark).unwrap().error > 0.1);
-        assert_eq!(rounding(&(0..200).map(|k| [lobe(k); 3]).collect::<Vec<_>>()), None);
-        assert_eq!(rounding(&[[0.3, 0.1, 0.2]; 20]), None);
-        assert_eq!(rounding(&[[0.0; 3]; 20]), None);
+        assert!(rounding(&dark, None).unwrap().error > 0.1);
+        assert_eq!(rounding(&(0..200).map(|k| [lobe(k); 3]).collect::<Vec<_>>(), None), None);
+        assert_eq!(rounding(&[[0.3, 0.1, 0.2]; 20], None), None);
+        assert_eq!(rounding(&[[0.0; 3]; 20], None), None);
     }
 }

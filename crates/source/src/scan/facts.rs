@@ -2,9 +2,8 @@
 
 use super::fit::{NEIGHBOURS_3D, NEIGHBOURS_4D};
 use super::summary::ScanSummary;
-use brdfc_core::Describe;
-use brdfc_core::StrayRows;
 use brdfc_core::words::percent;
+use brdfc_core::{Darkest, Describe, StrayRows};
 
 /// Range that a spectrum has to cover for its colour to be known, nm. Below it are 14 % of the observer's z̄ and 3 % of x̄,
 /// above it 4 % of x̄.
@@ -52,6 +51,7 @@ impl Describe for ScanFacts {
             (.., Some(alta)) => format!("RGB columns, {}", alta.values),
             _ => "RGB columns".to_owned(),
         };
+        let zero = s.darkest.filter(|darkest| darkest.value == [0.0; 3]).map_or(0, |darkest| darkest.samples);
         let [least, most] = s.neighbours;
         // Without smoothing the residuals may be errors of the fit.
         let is_smoothed = most > if s.isotropic { NEIGHBOURS_3D } else { NEIGHBOURS_4D };
@@ -67,7 +67,7 @@ impl Describe for ScanFacts {
             ("values", spectrum),
             ("repeated or mirrored rows differ up to", percent(s.largest_disagreement)),
             ("rows with negative channels, raised to 0", s.negative.to_string()),
-            ("rows that are all 0", s.zero.to_string()),
+            ("rows that are all 0", zero.to_string()),
             ("estimated noise of the rows", noise),
             ("neighbours of a fit", neighbours),
         ];
@@ -91,8 +91,8 @@ impl Describe for ScanFacts {
         self.summary.negative as u64
     }
 
-    fn rows_zero(&self) -> u64 {
-        self.summary.zero as u64
+    fn darkest(&self) -> Option<Darkest> {
+        self.summary.darkest
     }
 
     fn stray_rows(&self) -> Option<StrayRows> {

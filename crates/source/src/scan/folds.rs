@@ -144,6 +144,10 @@ impl Samples for ScanSource {
     fn saturation(&self) -> Option<Saturation> {
         self.saturation
     }
+
+    fn rounding(&self) -> Option<Rounding> {
+        self.rounding
+    }
 }
 
 impl Completion for ScanSource {
@@ -189,10 +193,6 @@ impl Completion for ScanSource {
                 self.difference_of_exchanged::<4, 5, { TERMS_4D }, Anisotropic>(tree, distance)
             }
         }
-    }
-
-    fn rounding(&self) -> Option<Rounding> {
-        self.rounding
     }
 }
 

@@ -12,7 +12,7 @@ mod rise;
 mod strength;
 mod summary;
 
-pub(crate) use detector::saturation;
+pub(crate) use detector::{rounding, saturation};
 pub use facts::{AltaHeader, ScanFacts};
 pub(crate) use folds::isotropic_distance;
 pub(crate) use rise::rise_to_peaks;
@@ -21,17 +21,18 @@ pub use summary::ScanSummary;
 use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::{Input, InputFile, Reading};
+use super::smooth::log_bias;
 use brdfc_core::StrayRows;
 use brdfc_core::source::{Completion, Repeats, Rounding, Saturation};
 use brdfc_core::words::counted;
-use brdfc_core::{Smooth, Source, Symmetry, Tally};
+use brdfc_core::{Darkest, Smooth, Source, Symmetry, Tally};
 use brdfc_formats::FormatError;
 use brdfc_formats::direction::DirectionPair;
 use brdfc_readers::alta::{self, AltaTable};
 use brdfc_readers::scan::{self, Row, Scan};
 use brdfc_readers::scan_csv;
 use coordinates::{Anisotropic, Identity, Isotropic, Space};
-use detector::{rounding, saturation_of_rows};
+use detector::saturation_of_rows;
 use incidence::Incidence;
 use merge::{Group, merge};
 use std::sync::OnceLock;
@@ -39,9 +40,6 @@ use strength::{LEAST_NOISE, Rows, Smoothed, Strength, Tree};
 
 /// Minimum number of distinct direction pairs of a scan.
 pub const MIN_ROWS: usize = 8;
-/// Bias of the logarithm `ln(f + bias)`, in units of the scan's median: values below it are dark noise.
-const LOG_BIAS: f64 = 0.05;
-
 /// Scans as text.
 pub(crate) const fn text_format<F: From<ScanFacts>>() -> Format<F> {
     Format { name: "scan", kind: &scan::KIND, open: open_text }
@@ -167,7 +165,13 @@ impl ScanSource {
     /// Returns an error for fewer than [`MIN_ROWS`] distinct direction pairs, and for fewer pairs than neighbours,
     /// and for a radius.
     pub fn read(scan: &Scan, reading: Reading) -> Result<Self, FormatError> {
-        let strength = &strength(reading)?;
+        let source = Self::completed(scan, &strength(reading)?)?;
+        let (pairs, raised): (Vec<_>, Vec<_>) = scan.rows.iter().map(|row| (pair_of(row), raised(row))).unzip();
+        let (saturation, rounding) = (saturation_of_rows(&raised, &pairs), rounding(&raised, scan.step));
+        Ok(Self { saturation, rounding, ..source })
+    }
+
+    fn completed(scan: &Scan, strength: &Strength) -> Result<Self, FormatError> {
         let strays = match Incidence::of(&scan.rows) {
             Incidence::Several => return Self::of_rows(&scan.rows, false, strength),
             Incidence::One(strays) => strays,
@@ -195,7 +199,7 @@ impl ScanSource {
 
     fn of_rows(rows: &[Row], isotropic: bool, strength: &Strength) -> Result<Self, FormatError> {
         let pairs: Vec<DirectionPair> = rows.iter().map(pair_of).collect();
-        let raised: Vec<[f64; 3]> = rows.iter().map(|r| r.value.map(|v| v.max(0.0))).collect();
+        let raised: Vec<[f64; 3]> = rows.iter().map(raised).collect();
         let negative = rows.iter().filter(|r| r.value.iter().any(|v| *v < 0.0)).count();
         let source = Self::of_pairs(&pairs, &raised, isotropic, strength)?;
         if let Strength::Neighbours(count) = strength
@@ -204,8 +208,7 @@ impl ScanSource {
             let allowed = format!("1 to {}, the number of distinct direction pairs", source.pairs.len());
             return Err(FormatError::whole("neighbours", count.to_string(), allowed));
         }
-        let (saturation, rounding) = (saturation_of_rows(&raised, &pairs), rounding(&raised));
-        Ok(Self { saturation, rounding, summary: ScanSummary { negative, ..source.summary }, ..source })
+        Ok(Self { summary: ScanSummary { negative, ..source.summary }, ..source })
     }
 
     /// Creates a source from direction pairs with values of 0 or more.
@@ -236,7 +239,7 @@ impl ScanSource {
             distinct: groups.len(),
             largest_disagreement: repeats.map_or(0.0, |repeats| repeats.largest),
             negative: 0,
-            zero: raised.iter().filter(|v| **v == [0.0; 3]).count(),
+            darkest: Darkest::of(raised.iter().copied()),
             isotropic,
             strays: None,
             left_out: None,
@@ -367,6 +370,11 @@ fn entries<const D: usize, const S: usize, P: Space<D, S>>(
     (entries, groups)
 }
 
+/// The value of a row, without negative channels.
+fn raised(row: &Row) -> [f64; 3] {
+    row.value.map(|value| value.max(0.0))
+}
+
 fn pair_of(row: &Row) -> DirectionPair {
     DirectionPair::from_angles(row.theta_i, row.phi_i, row.theta_o, row.phi_o)
 }
@@ -395,15 +403,4 @@ fn mean_difference<'a>(rows: impl ExactSizeIterator<Item = &'a Row>, source: &Sc
         if larger > 0.0 { sum(|a, b| (a - b).abs()) / larger } else { 0.0 }
     };
     rows.map(difference).sum::<f64>() / count
-}
-
-/// A fraction of the median of all positive values; 1 for a black scan.
-fn log_bias(values: &[[f64; 3]]) -> f64 {
-    let mut positive: Vec<f64> = values.iter().flatten().copied().filter(|v| *v > 0.0).collect();
-    if positive.is_empty() {
-        return 1.0;
-    }
-    let middle = positive.len() / 2;
-    let (_, median, _) = positive.select_nth_unstable_by(middle, f64::total_cmp);
-    LOG_BIAS * *median
 }

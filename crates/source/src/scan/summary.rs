@@ -1,6 +1,6 @@
 //! Summary of a scan.
 
-use brdfc_core::StrayRows;
+use brdfc_core::{Darkest, StrayRows};
 
 /// Counts and repairs of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -13,8 +13,8 @@ pub struct ScanSummary {
     pub largest_disagreement: f64,
     /// Number of rows with a negative channel (noise, or a colour outside the gamut), raised to 0.
     pub negative: usize,
-    /// Number of rows with 0 in all channels.
-    pub zero: usize,
+    /// Rows with the smallest value of each channel; absent if all rows are equal.
+    pub darkest: Option<Darkest>,
     /// True if all rows have the same azimuth of incidence, except for strays, or none, so that the material is taken
     /// as isotropic.
     pub isotropic: bool,
