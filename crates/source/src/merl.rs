@@ -188,12 +188,12 @@ impl Samples for MerlSource {
 
 impl Marks {
     fn of(table: &Merl) -> Self {
+        let count = table.values.len();
         let value = |cell: usize| table.values[cell].map(f64::from);
-        let valid: Vec<[f64; 3]> = (0..table.values.len()).map(value).filter(|value| !value[0].is_nan()).collect();
         Self {
-            saturation: saturation(table.dimensions.cells(), value, |cell| pair_of_cell(table, cell)),
-            rounding: rounding(&valid, None),
-            darkest: Darkest::of(valid.iter().copied()),
+            saturation: saturation(count, value, |cell| pair_of_cell(table, cell)),
+            rounding: rounding(count, value, None),
+            darkest: Darkest::of((0..count).map(value)),
         }
     }
 

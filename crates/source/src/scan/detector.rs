@@ -4,6 +4,7 @@ use super::coordinates::polar;
 use crate::smooth::log_bias;
 use brdfc_core::source::{Rounding, Saturation};
 use brdfc_formats::direction::{DirectionPair, dot, half_vector};
+use std::array::from_fn;
 
 /// Minimum number of samples of a plateau.
 const MIN_SATURATED: usize = 8;
@@ -25,7 +26,9 @@ const OTHERS: f64 = 0.25;
 const MIN_DISTINCT: usize = 3;
 /// Largest distance of a value from a multiple of the step, in steps.
 const OFF_STEP: f64 = 0.01;
-/// Maximum number of values from which the step is found.
+/// Relative difference below which values are equal: that of single precision.
+const EQUAL: f64 = 1e-6;
+/// Approximate number of values from which the step is found.
 const FOR_STEP: usize = 4096;
 
 /// The plateau at the largest signal of `count` samples, in the channel with the widest one. Signals are values, or values times cosines,
@@ -35,18 +38,31 @@ pub(crate) fn saturation(
     signal: impl Fn(usize) -> [f64; 3],
     pair: impl Fn(usize) -> DirectionPair,
 ) -> Option<Saturation> {
+    let mut largest = [0.0f64; 3];
+    for index in 0..count {
+        largest = from_fn(|channel| signal(index)[channel].max(largest[channel]));
+    }
+    let mut near: [Vec<f64>; 3] = Default::default();
+    let (mut positive, mut others) = ([0usize; 3], [0usize; 3]);
+    let starts = largest.map(|value| value * (1.0 - COMPARED * DEPTHS[DEPTHS.len() - 1]));
+    for index in 0..count {
+        for (channel, value) in signal(index).into_iter().enumerate().filter(|(_, value)| *value > 0.0) {
+            positive[channel] += 1;
+            others[channel] += usize::from(value * ABOVE_OTHERS < largest[channel]);
+            if value >= starts[channel] {
+                near[channel].push(value);
+            }
+        }
+    }
     let of_channel = |channel: usize| {
-        let signals = || (0..count).map(|index| signal(index)[channel]);
-        let largest = signals().fold(0.0, f64::max);
-        let positive = signals().filter(|value| *value > 0.0).count();
-        let others = signals().filter(|value| *value > 0.0 && value * ABOVE_OTHERS < largest).count();
-        if others as f64 <= OTHERS * positive as f64 {
+        let (largest, near) = (largest[channel], &near[channel]);
+        if others[channel] as f64 <= OTHERS * positive[channel] as f64 {
             return None;
         }
         let is_plateau = |depth: &f64| {
             let end = largest * (1.0 - depth);
-            let within = |start: f64, end: f64| signals().filter(|value| (start..end).contains(value)).count();
-            let next = signals().filter(|value| *value < end).fold(0.0, f64::max);
+            let within = |start: f64, end: f64| near.iter().filter(|value| (start..end).contains(value)).count();
+            let next = near.iter().copied().filter(|value| *value < end).fold(0.0, f64::max);
             let start = (largest * (1.0 - COMPARED * depth)).min(next * (1.0 - depth));
             let samples = within(end, f64::INFINITY);
             samples >= MIN_SATURATED && samples >= MORE * within(start, end).max(1)
@@ -75,36 +91,49 @@ pub(super) fn saturation_of_rows(values: &[[f64; 3]], pairs: &[DirectionPair]) -
     signals.into_iter().filter_map(of_signal).max_by_key(|found| found.samples)
 }
 
-/// Rounding of values, whose step is known from decimals, or else found in each channel.
-pub(crate) fn rounding(values: &[[f64; 3]], known: Option<f64>) -> Option<Rounding> {
-    let floor = log_bias(values);
-    let of_channel = |channel: usize| {
-        let positive = || values.iter().map(|value| value[channel]).filter(|value| *value > 0.0);
-        let step = known.or_else(|| step_of(positive))?;
-        let error = |value: &[f64; 3]| 0.25 * step / value[channel].max(floor);
-        Some(Rounding { step, error: values.iter().map(error).sum::<f64>() / values.len() as f64 })
+/// Rounding of `count` values, whose step is known from decimals, or else found in each channel. Values are NaN if not measured.
+pub(crate) fn rounding(count: usize, value: impl Fn(usize) -> [f64; 3], known: Option<f64>) -> Option<Rounding> {
+    let values = |channel: usize| {
+        let value = &value;
+        move |step: usize| {
+            (0..count).step_by(step).map(move |index| value(index)[channel]).filter(|value| !value.is_nan())
+        }
     };
-    let lit = (0..3).filter(|channel| values.iter().any(|value| value[*channel] > 0.0));
-    let channels: Vec<Option<Rounding>> = lit.map(of_channel).collect();
-    let found = || channels.iter().flatten().copied();
-    let worst = found().max_by(|a, b| a.error.total_cmp(&b.error))?;
-    Some(Rounding {
-        step: worst.step,
-        error: found().map(|rounding| rounding.error).sum::<f64>() / channels.len() as f64,
-    })
+    let step = |channel: usize| match known {
+        // A constant is no rounded value.
+        Some(_) => known.filter(|_| values(channel)(1).any(|other| other != value(0)[channel])),
+        None => step_of(count, values(channel)),
+    };
+    let steps: Vec<(usize, f64)> = (0..3).filter_map(|channel| Some((channel, step(channel)?))).collect();
+    if steps.is_empty() {
+        return None;
+    }
+    let measured: Vec<[f64; 3]> = (0..count).map(&value).filter(|value| !value[0].is_nan()).collect();
+    let floor = log_bias(&measured);
+    let error = |channel: usize, step: f64| {
+        measured.iter().map(|value| 0.25 * step / value[channel].max(floor)).sum::<f64>() / measured.len() as f64
+    };
+    let is_lit = |channel: &usize| measured.iter().any(|value| value[*channel] > 0.0);
+    let lit = (0..3).filter(is_lit).count();
+    let found = steps.into_iter().filter(|(channel, _)| is_lit(channel));
+    let found: Vec<(f64, f64)> = found.map(|(channel, step)| (step, error(channel, step))).collect();
+    let (step, _) = *found.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(Rounding { step, error: found.iter().map(|(_, error)| error).sum::<f64>() / lit as f64 })
 }
 
-/// The smallest difference of positive values, if all are multiples of it.
-fn step_of<I: Iterator<Item = f64>>(positive: impl Fn() -> I) -> Option<f64> {
-    let mut some: Vec<f64> = positive().step_by((positive().count() / FOR_STEP).max(1)).collect();
+/// The smallest difference of positive values, if all are multiples of it. The argument of `values` is a step through them.
+fn step_of<I: Iterator<Item = f64>>(count: usize, values: impl Fn(usize) -> I) -> Option<f64> {
+    let mut some: Vec<f64> = values((count / FOR_STEP).max(1)).filter(|value| *value > 0.0).collect();
     some.sort_by(f64::total_cmp);
     let largest = *some.last()?;
-    let steps = some.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * largest);
+    let steps = some.windows(2).filter(|pair| pair[1] - pair[0] > EQUAL * pair[1]).map(|pair| pair[1] - pair[0]);
     let distinct = 1 + steps.clone().count();
-    // Without the rounding of differences.
-    let step = largest / (largest / steps.fold(some[0], f64::min)).round();
+    // The first one, because differences of small values are the most exact ones.
+    let least = steps.clone().fold(some[0], f64::min);
+    let step = steps.into_iter().find(|step| *step <= least * (1.0 + OFF_STEP)).unwrap_or(least);
+    let step = largest / (largest / step).round();
     let is_multiple = |value: f64| (value / step - (value / step).round()).abs() <= OFF_STEP;
-    (distinct >= MIN_DISTINCT && some.iter().copied().all(is_multiple) && positive().all(is_multiple)).then_some(step)
+    (distinct >= MIN_DISTINCT && some.iter().copied().all(is_multiple) && values(1).all(is_multiple)).then_some(step)
 }
 
 #[cfg(test)]
@@ -166,6 +195,7 @@ mod tests {
 
     #[test]
     fn a_common_step_is_rounding() {
+        let rounding = |values: &[[f64; 3]], known| rounding(values.len(), |index| values[index], known);
         let values = |step: f64| -> Vec<[f64; 3]> { (0..200).map(|k| [(lobe(k) / step).round() * step; 3]).collect() };
         for step in [0.05, 0.01] {
             let found = rounding(&values(step), None).unwrap();
@@ -181,6 +211,11 @@ mod tests {
         let exact: Vec<[f64; 3]> = (0..200).map(|k| [lobe(k); 3]).collect();
         let known = rounding(&exact, Some(0.05)).unwrap();
         assert!((known.error / rounding(&values(0.05), None).unwrap().error - 1.0).abs() < 0.1, "{known:?}");
+        // In single precision, with a highlight.
+        let narrow = |k: usize| 0.05 + 70.0 * (-(k as f64 / 20.0).powi(2)).exp();
+        let single: Vec<[f64; 3]> =
+            (0..200).map(|k| [f64::from(((100.0 * narrow(k)).round() / 100.0) as f32); 3]).collect();
+        assert!((rounding(&single, None).unwrap().step - 0.01).abs() < 1e-8);
         // Values that are rounded to 0 are the worst.
         let dark: Vec<[f64; 3]> = values(0.05).iter().map(|v| v.map(|f| ((f - 0.1) / 0.05).round() * 0.05)).collect();
         assert!(rounding(&dark, None).unwrap().error > 0.1);

@@ -167,7 +167,8 @@ impl ScanSource {
     pub fn read(scan: &Scan, reading: Reading) -> Result<Self, FormatError> {
         let source = Self::completed(scan, &strength(reading)?)?;
         let (pairs, raised): (Vec<_>, Vec<_>) = scan.rows.iter().map(|row| (pair_of(row), raised(row))).unzip();
-        let (saturation, rounding) = (saturation_of_rows(&raised, &pairs), rounding(&raised, scan.step));
+        let (saturation, rounding) =
+            (saturation_of_rows(&raised, &pairs), rounding(raised.len(), |row| raised[row], scan.step));
         Ok(Self { saturation, rounding, ..source })
     }
 
