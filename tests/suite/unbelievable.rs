@@ -159,6 +159,12 @@ kinds! {
         ..DENSE
     };
     saturated: Kind { stored: |value| value.min(0.12), expected: "the detector was saturated", ..DENSE };
+    /// Noise of the signal, not of the light.
+    saturated_with_noise: Kind {
+        stored: |value| value.min(0.12) * (1.0 + 2e-3 * (1e4 * value).sin()),
+        expected: "the detector was saturated",
+        ..DENSE
+    };
     rounded: Kind {
         stored: |value| (100.0 * value).round() / 100.0,
         expected: "values are rounded to multiples of 0.01,",
@@ -238,10 +244,12 @@ fn tables_share_the_checks() {
     let dimensions =
         |theta_half, theta_difference, phi_difference| Dimensions { theta_half, theta_difference, phi_difference };
     let fine = dimensions(45, 45, 90);
-    let cases: [(Dimensions, fn([f64; 3], f64) -> Option<f64>, &str); 7] = [
+    let cases: [(Dimensions, fn([f64; 3], f64) -> Option<f64>, &str); 9] = [
         (fine, |[half, ..], value| (half < 0.14 || half > 0.7).then_some(value), "are more than 10° from any sample"),
         (fine, |[half, ..], value| (half > 0.25).then_some(value), "narrower than the samples resolve"),
         (fine, |_, value| Some(value.min(0.2)), "samples are equal"),
+        (fine, |_, value| Some((100.0 * value).round() / 100.0), "values are rounded to multiples of 0.01,"),
+        (fine, |[_, difference, _], value| (difference < 1.08).then_some(value), "9 % of the test directions"),
         (dimensions(8, 4, 6), |_, value| Some(value), "are more than 10° from any sample"),
         (dimensions(4, 45, 90), |_, value| Some(value), "are more than 10° from any sample"),
         (fine, |_, value| Some(value), ""),
@@ -264,6 +272,32 @@ fn tables_share_the_checks() {
         let trusted =
             ["encode", "table.binary", "-o", "pack.ktx2", "--max-delta-e", "20", "--codec", "table", "--trust-fit"];
         folder.run(&trusted).succeeded();
+    }
+}
+
+/// A detector's limit, or a mark of missing samples. It may also be the material, so that limits do not fail.
+#[test]
+fn many_darkest_samples_are_noted() {
+    let folder = Folder::of(env!("CARGO_BIN_EXE_brdfc"));
+    for (smallest, note) in [
+        (0.0, "samples (62.1 %) are 0 in all channels, which counts as measured; leave out samples that were not"),
+        (
+            0.1,
+            "samples (62.1 %) have the smallest value, 0.100 0.100 0.100: if it is the detector's limit, the material is",
+        ),
+    ] {
+        let csv = Kind { model: "synth:ggx?kd=0.03&alpha=0.4", ..DENSE }.csv();
+        let raised = |line: &str| {
+            let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+            for field in &mut fields[6..] {
+                let value: Option<f64> = field.parse().ok();
+                *field = value.map_or(field.clone(), |v| if v < 0.1 { smallest } else { v }.to_string());
+            }
+            fields.join(",")
+        };
+        folder.write("scan.csv", csv.lines().map(raised).collect::<Vec<_>>().join("\n"));
+        let ran = folder.run(&["encode", "scan.csv", "-o", "pack.ktx2", "--codec", "table"]).succeeded();
+        assert!(ran.stderr.contains(note), "{}", ran.stderr);
     }
 }
 

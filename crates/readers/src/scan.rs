@@ -1,17 +1,14 @@
 //! Text files of scattered gonioreflectometer scans, `.brdf`. Layout: `crates/readers/src/scan.md`.
 
-use crate::file_kind::{Begins, FileKind, first_line};
+use crate::file_kind::{Begins, FileKind};
 use crate::{colour, text};
 use brdfc_formats::{FormatError, Place, memory};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::io::Write;
 
 /// Scans as text: numbers.
-pub static KIND: FileKind = FileKind {
-    description: "a scan as text (.brdf)",
-    extensions: &["brdf"],
-    begins: Begins::Text(|text| is_first_line(first_line(text))),
-};
+pub static KIND: FileKind =
+    FileKind { description: "a scan as text (.brdf)", extensions: &["brdf"], begins: Begins::Text(begins_a_scan) };
 
 /// Maximum number of wavelengths of a scan.
 pub const MAX_WAVELENGTHS: usize = 10_000;
@@ -270,10 +267,14 @@ pub(super) fn checked_row(angles: [f64; 4], value: [f64; 3], line: u64) -> Resul
     Ok(Row { theta_i, phi_i, theta_o, phi_o, value })
 }
 
-/// Returns true if a line can be the first of a scan: the number of wavelengths, and perhaps the first of them.
-fn is_first_line(line: &str) -> bool {
-    let mut words = line.split_ascii_whitespace();
+/// Returns true if a text can begin a scan: the number of wavelengths, then numbers.
+fn begins_a_scan(text: &str) -> bool {
+    let mut lines =
+        text.lines().map(|line| line.split('#').next().unwrap_or("").trim()).filter(|line| !line.is_empty());
+    let mut words = lines.next().unwrap_or("").split_ascii_whitespace();
     let counts = words.next().is_some_and(|word| word.parse::<u32>().is_ok_and(|count| count > 0));
+    // A list of lights begins with their number, too.
+    let mut words = words.chain(lines.next().unwrap_or("").split_ascii_whitespace());
     counts && words.all(|word| word.parse::<f64>().is_ok())
 }
 

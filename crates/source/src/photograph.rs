@@ -2,13 +2,15 @@
 
 use crate::InputError;
 use crate::image_file::{self, Ask, Header, Purpose};
+use crate::misnamed::wrong_contents;
 use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
 use brdfc_readers::pixels::Pixels;
+use brdfc_readers::recognise::START_BYTES;
 use image::ImageFormat;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 pub use crate::image_file::CodeValues;
@@ -85,14 +87,15 @@ pub(crate) fn read_pixels(path: &Path, size: [usize; 2], codes: Option<CodeValue
 /// image in errors.
 pub(crate) fn common_header(paths: &[PathBuf], first: &str, codes: Option<CodeValues>) -> Result<Common, InputError> {
     let mut common = Common::default();
-    let (mut colours, mut notes) = (BTreeMap::new(), BTreeMap::new());
+    let (mut colours, mut notes, mut grey) = (BTreeMap::new(), BTreeMap::new(), 0);
     let mut of_first: Option<Header> = None;
     for path in paths {
         let wrong = |error| InputError::format(path, error);
-        let header = image_file::read_header(&mut open(path)?, &ask(codes)).map_err(wrong)?;
+        let header = image_file::read_header(&mut open(path)?, &ask(codes)).map_err(|error| misnamed(path, error))?;
         let [width, height] = header.size;
         common.bytes += header.pixel_bytes() * width as u64 * height as u64;
         *colours.entry(header.colour.to_string()).or_insert(0) += 1;
+        grey += usize::from(header.channels < 3);
         for note in header.conversions().into_iter().skip(1) {
             *notes.entry(note).or_insert(0) += 1;
         }
@@ -113,12 +116,25 @@ pub(crate) fn common_header(paths: &[PathBuf], first: &str, codes: Option<CodeVa
     };
     common.colour = colours.iter().map(of).collect::<Vec<_>>().join("; ");
     let mixed = (colours.len() > 1).then(|| format!("the images state different colours: {}", common.colour));
-    common.notes = mixed.into_iter().chain(notes.iter().map(of)).collect();
+    let is_partly_grey = (1..paths.len()).contains(&grey);
+    let partly_grey =
+        is_partly_grey.then(|| format!("{} of {} images are grey, the others have colours", grey, paths.len()));
+    common.notes = mixed.into_iter().chain(partly_grey).chain(notes.iter().map(of)).collect();
     Ok(common)
 }
 
 fn ask(codes: Option<CodeValues>) -> Ask<'static> {
     Ask { purpose: Purpose::Colours(codes), field: "image", allowed: ALLOWED, formats: &FORMATS, check: &check_size }
+}
+
+/// The error of a file, with a hint if its contents are of another kind than its name.
+fn misnamed(path: &Path, error: FormatError) -> InputError {
+    let mut start = Vec::new();
+    let length = File::open(path).and_then(|file| {
+        let length = file.metadata()?.len();
+        file.take(START_BYTES as u64).read_to_end(&mut start).map(|_| length)
+    });
+    wrong_contents(path, &start, length.unwrap_or(0), error)
 }
 
 fn check_size([width, height]: [usize; 2]) -> Result<(), FormatError> {

@@ -131,7 +131,7 @@ mod tests {
         let exr = encoded(image::DynamicImage::from(grey(255).into_rgb32f()), ImageFormat::OpenExr);
         let error = opened("a.png", &exr).unwrap_err();
         assert!(error.contains("found OpenExr, expected a complete PNG or JPEG"), "{error}");
-        assert!(opened("a.png", b"text").unwrap_err().contains("image: unknown format; expected"));
+        assert!(opened("a.png", b"text").unwrap_err().contains("image: found text, expected"));
         let wide = encoded(image::GrayImage::new(8193, 1).into(), ImageFormat::Png);
         assert!(opened("a.png", &wide).unwrap_err().contains("found 8193 x 1 pixels"));
     }

@@ -51,9 +51,9 @@ pub fn material_row(report: &MaterialReport, seconds: Option<f64>) -> Vec<String
         format!("{:.2}", rendering.mean),
         format!("{:.2}", rendering.p95),
         report.off_grid.highlight.map_or("-".to_owned(), |highlight| share(highlight.retained())),
-        report
-            .fit
-            .map_or("-".to_owned(), |fit| fit.error().map_or(if fit.too_few { "none" } else { "-" }.to_owned(), share)),
+        report.fit.map_or("-".to_owned(), |fit| {
+            fit.error().map_or(if fit.completed { "none" } else { "-" }.to_owned(), share)
+        }),
         report.fit.map_or("-".to_owned(), |fit| {
             let gaps = fit.largest_gaps();
             format!("{:.0}°, {:.0} %", gaps.farthest, 100.0 * gaps.uncovered)

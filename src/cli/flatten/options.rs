@@ -98,6 +98,7 @@ enum Kind {
     Mesh,
     HeightMap,
     Plane,
+    Other,
 }
 
 impl Kind {
@@ -106,7 +107,8 @@ impl Kind {
             None => Self::Plane,
             Some(Input::Address(_)) => Self::Structure,
             Some(file) if ["png", "exr"].contains(&file.extension()?.as_str()) => Self::HeightMap,
-            Some(_) => Self::Mesh,
+            Some(file) if ["obj", "ply"].contains(&file.extension()?.as_str()) => Self::Mesh,
+            Some(_) => Self::Other,
         })
     }
 
@@ -116,6 +118,7 @@ impl Kind {
             Self::Mesh => "a mesh",
             Self::HeightMap => "a height map (it is one tile)",
             Self::Plane => "a plane",
+            Self::Other => "a file of another kind",
         }
     }
 }
@@ -137,7 +140,9 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         return Err(Error::usage(format!("--tile: found {}, expected a finite length above 0", format_number(tile))));
     }
     let kind = Kind::of(geometry.as_ref())?;
-    let (no_mesh, no_map) = (kind != Kind::Mesh, kind != Kind::HeightMap);
+    // Files of other kinds are refused when they are opened.
+    let known = kind != Kind::Other;
+    let (no_mesh, no_map) = (known && kind != Kind::Mesh, known && kind != Kind::HeightMap);
     let flags = [
         (no_mesh && arguments.tile.is_some(), "--tile", "meshes"),
         (no_map && arguments.height_scale.is_some(), "--height-scale", "height maps"),

@@ -117,10 +117,16 @@ impl ImageReports {
     pub fn summary(&self) -> String {
         let mut text = String::new();
         let pixels = |[width, height]: [usize; 2]| format!("{width} x {height}");
-        if let Some(SurfaceReport { size, lights, outliers, between_halves }) = self.surface {
-            let between = between_halves.map_or("-".to_owned(), |angle| format!("{angle:.1}°"));
-            let row = vec![pixels(size), lights.to_string(), table::percent(outliers), between];
-            text.push_str(&table::plain(&["normals", "lights", "outliers", "between halves"], &[row]));
+        if let Some(SurfaceReport { size, lights, outliers, between_halves, between_halves_p95 }) = self.surface {
+            let angle = |found: Option<f64>| found.map_or("-".to_owned(), |angle| format!("{angle:.1}°"));
+            let row = vec![
+                pixels(size),
+                lights.to_string(),
+                table::percent(outliers),
+                angle(between_halves),
+                angle(between_halves_p95),
+            ];
+            text.push_str(&table::plain(&["normals", "lights", "outliers", "between halves", "95 %"], &[row]));
         }
         if let Some(web) = &self.web {
             let decimals = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));

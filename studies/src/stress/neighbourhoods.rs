@@ -160,7 +160,7 @@ fn scans(stages: &Stages, small: bool) -> StressRow {
                 value: [value; 3],
             };
             let lines = (1..=rows.len() as u64).collect();
-            let scan = Scan { wavelengths: Vec::new(), rows: rows.iter().map(row).collect(), lines };
+            let scan = Scan { rows: rows.iter().map(row).collect(), lines, ..Scan::default() };
             let Ok(source) = ScanSource::new(&scan) else {
                 worst.add(f64::NAN);
                 continue;

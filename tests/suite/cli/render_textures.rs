@@ -121,7 +121,7 @@ fn textures_that_cannot_be_used() {
             "found 1.000e-5 x 1.000 m, expected",
         ),
         ([&adaptive("checks.png")[..], &["--texture-size", "1x900"]].concat(), 2, "found 1.000 x 900.0 m, expected"),
-        ([&adaptive("text.png")[..], &size].concat(), 3, "text.png: image: unknown format; expected a complete PNG"),
+        ([&adaptive("text.png")[..], &size].concat(), 3, "text.png: image: found text, expected a complete PNG"),
         (
             [&adaptive("wide.png")[..], &size].concat(),
             3,

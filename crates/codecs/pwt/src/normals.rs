@@ -23,8 +23,15 @@ const NOISE: f32 = 3e-3;
 /// Mean square of the distances of lights (as points of the unit sphere) from a plane through the surface below which
 /// the lights do not determine a normal: 0.6 degrees.
 const MIN_SPREAD: f64 = 1e-4;
-/// The same for the lights of one pixel, as a share of the largest: other pixels retain the fit to more lights.
+/// Determinant of their second moments, as a share of the largest, below which they do not: lights within 2 degrees of each other. Pixels
+/// whose lit lights do not retain the fit to more lights.
 const MIN_DETERMINANT: f64 = 1e-5;
+/// Scaled normals below this are those of black pixels.
+const BLACK: f32 = 1e-12;
+/// Linear values from which a pixel is white. A pixel that is white under all lights is a mask or a background.
+const WHITE: f32 = 0.96;
+/// Albedo of pixels that count in [`SurfaceMaps::between_halves_p95`], as a share of the 95th percentile.
+const MIN_ALBEDO: f32 = 0.02;
 /// Residual from which an observation counts as an outlier in reports, as a share of the albedo.
 const OUTLIER: f32 = 0.1;
 
@@ -51,6 +58,8 @@ pub struct SurfaceMaps {
     /// Mean angle between normals from two halves of the lights, degrees, by albedo; each half has one light of each pair of near ones.
     /// `None` for fewer than 12 lights, and if halves of the lights do not determine normals.
     pub between_halves: Option<f64>,
+    /// 95th percentile of the same angle over pixels, by their number; those with an albedo below 2 % of the brightest do not count.
+    pub between_halves_p95: Option<f64>,
 }
 
 impl SurfaceMaps {
@@ -73,23 +82,28 @@ pub fn surface_maps(samples: &LightSamples) -> Result<SurfaceMaps, FormatError> 
     if lights.len() < 3 {
         return Err(FormatError::whole("lights", lights.len().to_string(), allowed));
     }
-    if is_one_plane(lights) {
-        return Err(FormatError::whole("lights", format!("{} in one plane", lights.len()), allowed));
+    if !determine_normals(lights) {
+        let found = format!("{} almost in one plane or direction", lights.len());
+        return Err(FormatError::whole("lights", found, allowed));
     }
     let width = samples.size[0];
     let halves = halves(lights).map(|of| (of.iter().map(|light| lights[*light]).collect(), of));
-    let determined = halves.iter().all(|(half, _): &Half| half.len() >= MIN_HALF && !is_one_plane(half));
+    let determined = halves.iter().all(|(half, _): &Half| half.len() >= MIN_HALF && determine_normals(half));
     let halves_of = |row: usize| (determined && row.is_multiple_of(HALVED_ROWS)).then_some(&halves);
     let rows: Vec<Row> =
         (0..samples.size[1]).into_par_iter().map(|row| solve_row(samples, row * width, halves_of(row))).collect();
-    let mean = |of: fn(&Row) -> [f64; 2]| {
-        let [sum, albedo] = rows.iter().map(of).fold([0.0; 2], |all, one| [all[0] + one[0], all[1] + one[1]]);
-        (albedo > 0.0).then(|| sum / albedo)
-    };
-    let outliers = mean(|row| row.outliers).unwrap_or(0.0);
-    let between_halves = mean(|row| row.between_halves);
+    let [sum, albedo] = rows.iter().fold([0.0; 2], |all, row| [all[0] + row.outliers[0], all[1] + row.outliers[1]]);
+    let outliers = if albedo > 0.0 { sum / albedo } else { 0.0 };
+    let angles: Vec<(f32, f32)> = rows.iter().flat_map(|row| row.between_halves.iter().copied()).collect();
+    let [all, sum] = angles.iter().fold([0.0; 2], |[all, sum], (albedo, angle)| {
+        [all + f64::from(*albedo), sum + f64::from(*albedo) * f64::from(*angle)]
+    });
+    let between_halves = (all > 0.0).then(|| sum / all);
+    let brightest = percentile_95(angles.iter().map(|(albedo, _)| *albedo)).unwrap_or(0.0);
+    let shown = angles.iter().filter(|(albedo, _)| *albedo > 0.0 && *albedo >= MIN_ALBEDO * brightest);
+    let between_halves_p95 = percentile_95(shown.map(|(_, angle)| *angle)).map(f64::from);
     let (normals, albedo) = rows.into_iter().flat_map(|row| row.pixels).unzip();
-    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers, between_halves })
+    Ok(SurfaceMaps { size: samples.size, normals, albedo, outliers, between_halves, between_halves_p95 })
 }
 
 /// A half of the lights, and their indices.
@@ -118,14 +132,25 @@ fn halves(lights: &[[f32; 3]]) -> [Vec<usize>; 2] {
     halves
 }
 
-/// Returns true if lights are almost in one plane through the surface.
-fn is_one_plane(lights: &[[f32; 3]]) -> bool {
+/// The 95th percentile; `None` without values.
+fn percentile_95(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut values: Vec<f32> = values.collect();
+    let at = (0.95 * values.len().saturating_sub(1) as f64) as usize;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
+}
+
+/// Returns false if lights are almost in one plane through the surface, or in one direction.
+fn determine_normals(lights: &[[f32; 3]]) -> bool {
     let mut spread = Matrix3::zeros();
     for light in lights {
         let light = nalgebra::Vector3::from(light.map(f64::from));
         spread += light * light.transpose() / lights.len() as f64;
     }
-    spread.symmetric_eigenvalues().min() < MIN_SPREAD
+    spread.symmetric_eigenvalues().min() >= MIN_SPREAD && spread.determinant() > least_determinant(&spread)
+}
+
+fn least_determinant(matrix: &Matrix3<f64>) -> f64 {
+    MIN_DETERMINANT * (matrix.trace() / 3.0).powi(3)
 }
 
 /// One row of pixels.
@@ -134,14 +159,14 @@ struct Row {
     pixels: Vec<([f32; 3], [f32; 3])>,
     /// Sums over pixels of the share of outliers times the albedo, and of the albedo.
     outliers: [f64; 2],
-    /// The same of the angle between normals from halves of the lights, degrees.
-    between_halves: [f64; 2],
+    /// Albedo, and angle between normals from halves of the lights in degrees.
+    between_halves: Vec<(f32, f32)>,
 }
 
 /// Solves the row that starts at a pixel, with `halves` also from each of these halves of the lights.
 fn solve_row(samples: &LightSamples, first: usize, halves: Option<&[Half; 2]>) -> Row {
     let width = samples.size[0];
-    let mut row = Row { pixels: Vec::with_capacity(width), outliers: [0.0; 2], between_halves: [0.0; 2] };
+    let mut row = Row { pixels: Vec::with_capacity(width), outliers: [0.0; 2], between_halves: Vec::new() };
     for start in (first..first + width).step_by(LANES) {
         let count = LANES.min(first + width - start);
         let is_defined = |lane: usize| lane < count && samples.is_defined(start + lane);
@@ -155,16 +180,16 @@ fn solve_row(samples: &LightSamples, first: usize, halves: Option<&[Half; 2]>) -
             })
             .collect();
         let scaled = solve(&samples.lights, &luminances);
+        let is_surface = |lane: usize| luminances.iter().any(|values| values[lane] < WHITE);
         if let Some(halves) = halves {
             let solved = halves.each_ref().map(|(lights, indices)| {
                 let luminances: Vec<Lanes> = indices.iter().map(|light| luminances[*light]).collect();
                 solve(lights, &luminances)
             });
-            for lane in (0..count).filter(|lane| is_defined(*lane)) {
+            for lane in (0..count).filter(|lane| is_defined(*lane) && is_surface(*lane)) {
                 let [a, b] = solved.map(|g| normal_of(g.map(|c| c[lane])).unwrap_or(UP));
-                let albedo = f64::from(length(scaled.map(|c| c[lane])));
-                row.between_halves[0] += albedo * f64::from(lit(a, b).min(1.0).acos().to_degrees());
-                row.between_halves[1] += albedo;
+                let angle = lit(a, b).min(1.0).acos().to_degrees();
+                row.between_halves.push((length(scaled.map(|c| c[lane])), angle));
             }
         }
         for lane in 0..count {
@@ -173,7 +198,7 @@ fn solve_row(samples: &LightSamples, first: usize, halves: Option<&[Half; 2]>) -
             let floor = OUTLIER * length(g);
             let is_outlier = |(light, values): (&[f32; 3], &Lanes)| (values[lane] - lit(g, *light)).abs() > floor;
             let outliers = samples.lights.iter().zip(&luminances).filter(|pair| is_outlier(*pair)).count();
-            let weight = f64::from(length(g));
+            let weight = if is_surface(lane) { f64::from(length(g)) } else { 0.0 };
             row.outliers[0] += weight * outliers as f64 / samples.lights.len() as f64;
             row.outliers[1] += weight;
             row.pixels.push((normal, albedo));
@@ -198,15 +223,14 @@ fn solve(lights: &[[f32; 3]], luminances: &[Lanes]) -> [Lanes; 3] {
         let floor: Lanes = match round {
             // Equal weights.
             0 => [1.0e6; LANES],
-            _ => std::array::from_fn(|lane| NOISE * length(g.map(|c| c[lane])) + 1e-6),
+            _ => std::array::from_fn(|lane| NOISE * length(g.map(|c| c[lane])) + BLACK),
         };
         let horizon = if round > ROUNDS { 0.0 } else { f32::MIN };
         let sums = equations(lights, luminances, &g, &floor, horizon);
         for lane in 0..LANES {
             let [a, b, c, d, e, f, x, y, z] = sums.map(|sum| f64::from(sum[lane]));
             let matrix = Matrix3::new(a, b, c, b, d, e, c, e, f);
-            let least = MIN_DETERMINANT * (matrix.trace() / 3.0).powi(3);
-            if matrix.determinant() > least
+            if matrix.determinant() > least_determinant(&matrix)
                 && let Some(inverse) = matrix.try_inverse()
             {
                 let found = inverse * nalgebra::Vector3::new(x, y, z);
@@ -245,13 +269,13 @@ fn normal_of(g: [f32; 3]) -> Option<[f32; 3]> {
     // Surfaces that face away are not visible: noise at a grazing angle, or no Lambertian surface at all.
     let facing = [g[0], g[1], g[2].max(0.0)];
     let size = length(facing);
-    (size >= 1e-6).then(|| facing.map(|c| c / size))
+    (size >= BLACK).then(|| facing.map(|c| c / size))
 }
 
 /// Normal of `g`, and the albedo of each channel: the fit with the weights of luminance.
 fn finished(samples: &LightSamples, pixel: usize, g: [f32; 3]) -> ([f32; 3], [f32; 3]) {
     let Some(normal) = normal_of(g) else { return (UP, [0.0; 3]) };
-    let floor = NOISE * length(g) + 1e-6;
+    let floor = NOISE * length(g) + BLACK;
     let (mut sums, mut squares) = ([0.0; 3], 0.0);
     for (light, image) in samples.lights.iter().zip(&samples.images) {
         let cosine = lit(normal, *light);

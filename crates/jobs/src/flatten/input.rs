@@ -229,6 +229,9 @@ fn open_observed(
     Ok((Appearance { sources, colour: colour.map(tile_image), weights: weights.map(tile_image) }, images))
 }
 
+/// Mean difference of channels of images that are grey, with noise of a few levels of 255.
+const GREY: f64 = 0.01;
+
 /// Reads an image of weights of some materials.
 ///
 /// # Errors
@@ -242,8 +245,11 @@ fn open_weights(input: &Input, materials: usize) -> Result<FileImage<4>, Error> 
         )))
     };
     let pixels = &image.pixels;
-    if pixels.iter().all(|pixel| pixel[1..materials].iter().all(|weight| *weight == pixel[0])) {
-        return refused("the same weight of all materials at every texel, as in a grey image");
+    let grey =
+        |pixel: &[f32; 4]| pixel[1..materials].iter().map(|weight| (weight - pixel[0]).abs()).fold(0.0, f32::max);
+    let differences = pixels.iter().map(|pixel| f64::from(grey(pixel))).sum::<f64>();
+    if differences <= GREY * pixels.len() as f64 {
+        return refused("nearly the same weight of all materials at every texel, as in a grey image");
     }
     if materials == MAX_MATERIALS && pixels.iter().all(|pixel| pixel[3] >= 1.0) {
         return refused("alpha of 1 at every texel, as in an image without transparency");

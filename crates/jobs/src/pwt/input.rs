@@ -25,6 +25,7 @@ use brdfc_source::viewer_file::{self, open_viewer_file};
 use brdfc_source::{Input, InputError};
 use rayon::prelude::*;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 /// Number of lights under which a map or a pack is rendered to be fitted again.
 const SPREAD: usize = 96;
@@ -181,17 +182,14 @@ pub fn any_above_white(samples: &LightSamples) -> bool {
 /// Exposures of all photographs, of each view by itself.
 fn exposures(samples: &LightSamples) -> Exposures {
     let texels = samples.view_size().iter().product::<usize>().max(1);
-    let of_light = |light: usize| {
-        let image = &samples.images[light];
-        let of_view = |view: usize| Exposure::of((view * texels..(view + 1) * texels).map(|at| image.pixel(at)));
-        (0..image.len() / texels).map(of_view).collect::<Vec<_>>()
-    };
-    let of_lights: Vec<Vec<Exposure>> = (0..samples.images.len()).into_par_iter().map(of_light).collect();
-    let mut all = Exposures::default();
-    for (light, of_views) in of_lights.into_iter().enumerate() {
-        of_views.into_iter().enumerate().for_each(|(view, exposure)| all.add([view, light], exposure));
-    }
-    all
+    let all = Mutex::new(Exposures::default());
+    samples.images.par_iter().enumerate().for_each(|(light, image)| {
+        for view in 0..image.len() / texels {
+            let exposure = Exposure::of((view * texels..(view + 1) * texels).map(|at| image.pixel(at)));
+            all.lock().unwrap_or_else(PoisonError::into_inner).add([view, light], exposure);
+        }
+    });
+    all.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Number of lights under which a map is rendered: fewer if it is large.

@@ -18,11 +18,14 @@ pub struct SurfaceReport {
     /// Share of the observations that differ from Lambert's law by more than a tenth of the albedo, such as shadows and
     /// highlights. Pixels count by their albedo.
     pub outliers: f64,
-    /// Mean angle between normals from every other light and from the remaining lights, degrees, by albedo: about half the error of
+    /// Mean angle between normals from two halves of the lights, degrees, by albedo: about half the error of
     /// normals where highlights cause it, and several times the error where blocked lights do. Absent for fewer than 12 lights, for
     /// renderings of maps and packs, and if halves of the lights do not determine normals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub between_halves: Option<f64>,
+    /// 95th percentile of the same angle over pixels, by their number; pixels darker than 2 % of the brightest do not count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between_halves_p95: Option<f64>,
 }
 
 /// Angle between normals from halves of the lights above which normals may be wrong, degrees.
@@ -43,8 +46,8 @@ impl SurfaceReport {
 /// Returns an error if photographs are out of range, or if the lights do not determine normals.
 pub fn make_surface(samples: &LightSamples) -> Result<(SurfaceMaps, SurfaceReport), Error> {
     let maps = surface_maps(&*samples.distant().map_err(wrong)?).map_err(wrong)?;
-    let SurfaceMaps { size, outliers, between_halves, .. } = maps;
-    let report = SurfaceReport { size, lights: samples.lights.len(), outliers, between_halves };
+    let SurfaceMaps { size, outliers, between_halves, between_halves_p95, .. } = maps;
+    let report = SurfaceReport { size, lights: samples.lights.len(), outliers, between_halves, between_halves_p95 };
     Ok((maps, report))
 }
 

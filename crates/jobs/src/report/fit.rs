@@ -114,9 +114,12 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, source: &Reliability, found
                 Some((format!("{}, extrapolated: {problem}", percent(found)), or_trusted(&allowed), false))
             }
             (Some(found), _) => Some((percent(found), allowed, found <= limit)),
-            (None, _) if fit.too_few => Some(("no samples can be held out".to_owned(), allowed, false)),
+            (None, _) if fit.completed => Some(("no samples can be held out".to_owned(), allowed, false)),
             // A table is no fit, but its samples may not determine it.
-            (None, _) => fit.gaps().filter(|_| !limits.trusted).map(|gaps| (gaps, or_trusted(&allowed), false)),
+            (None, _) => {
+                let gaps = fit.gaps().or(fit.extrapolation()).filter(|_| !limits.trusted);
+                gaps.map(|gaps| (gaps, or_trusted(&allowed), false))
+            }
         };
         results.extend(result.map(|(found, allowed, passed)| GateResult::new("max_fit_error", found, allowed, passed)));
     }

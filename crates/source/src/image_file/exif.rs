@@ -26,6 +26,9 @@ pub(super) struct Exif {
     pub is_r03: bool,
 }
 
+/// Bytes before the header of a TIFF, in segments of JPEG, and in chunks of some writers of PNG.
+pub(super) const EXIF: &[u8] = b"Exif\0\0";
+
 impl Exif {
     /// Reads the directories after the header of a TIFF; fields of broken metadata are missing.
     pub(super) fn from_bytes(bytes: &[u8]) -> Self {

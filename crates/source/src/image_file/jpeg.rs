@@ -2,7 +2,7 @@
 
 use super::ask::{Ask, ImageReader};
 use super::colour::Colour;
-use super::exif::Exif;
+use super::exif::{EXIF, Exif};
 use super::header::Header;
 use super::jpeg_scan::Scans;
 use super::orientation::Orientation;
@@ -13,6 +13,7 @@ use image::ImageDecoder;
 use image::codecs::jpeg::JpegDecoder;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
+use std::iter::successors;
 
 const APP0: u8 = 0xe0;
 const APP1: u8 = 0xe1;
@@ -20,10 +21,11 @@ const APP2: u8 = 0xe2;
 const APP14: u8 = 0xee;
 const START_OF_SCAN: u8 = 0xda;
 const END_OF_IMAGE: u8 = 0xd9;
-const EXIF: &[u8] = b"Exif\0\0";
 const JFIF: &[u8] = b"JFIF\0";
 /// The start of Adobe's segment. Its version, two words of flags and the transform of colours follow.
 const ADOBE: &[u8] = b"Adobe";
+/// Place of the transform in it.
+const TRANSFORM: usize = 11;
 const ICC: &[u8] = b"ICC_PROFILE\0";
 /// Number of bytes that are read first for a header.
 const FIRST_BYTES: u64 = 1 << 16;
@@ -54,7 +56,7 @@ pub(super) fn next_segment(jpeg: &[u8], at: usize) -> Option<Segment<'_>> {
 /// Segments up to the first scan.
 fn segments(jpeg: &[u8]) -> impl Iterator<Item = Segment<'_>> {
     let next = |segment: &Segment<'_>| next_segment(jpeg, segment.end);
-    std::iter::successors(next_segment(jpeg, 2), next)
+    successors(next_segment(jpeg, 2), next)
         .take_while(|segment| !matches!(segment.marker, START_OF_SCAN | END_OF_IMAGE))
 }
 
@@ -129,33 +131,40 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
     Ok(Raster { size, channels, samples: Samples::U8(samples) })
 }
 
-/// States the transform of colours in Adobe's segment as libjpeg chooses it (`default_decompress_parms` of version 6b and later), where
-/// the decoder chooses another: three components are YCbCr in JFIF files, whether or not Adobe's segment says so, and RGB if they are named so and
-/// there is neither segment.
+/// States the transform of colours that libjpeg takes (`default_decompress_parms` of version 6b and later), which the decoder reads from
+/// names of components first, and then from Adobe's segments: YCbCr in JFIF files, that of the last segment of Adobe in others, and RGB
+/// without both if components are named so.
 fn state_transform(jpeg: &mut Vec<u8>) {
-    let begins = |marker: u8, name: &[u8]| {
-        segments(jpeg)
-            .find(|one| one.marker == marker && one.contents.starts_with(name))
-            .map(|one| one.end - one.contents.len())
-    };
-    let (jfif, adobe) = (begins(APP0, JFIF), begins(APP14, ADOBE));
-    let frame = segments(jpeg).find(|segment| matches!(segment.marker, 0xc0..=0xc2));
-    let component = |k: usize| frame.and_then(|frame| frame.contents.get(6 + 3 * k)).copied();
-    let is_rgb = [0, 1, 2].map(component) == [b'R', b'G', b'B'].map(Some);
-    let is_three = component(2).is_some() && component(3).is_none();
-    let transform = ADOBE.len() + 6;
-    match (jfif, adobe) {
-        (Some(_), Some(adobe)) if is_three => {
-            if let Some(byte) = jpeg.get_mut(adobe + transform) {
-                *byte = 1;
-            }
+    let all: Vec<Segment<'_>> = successors(next_segment(jpeg, 2), |segment| next_segment(jpeg, segment.end)).collect();
+    let scan = all.iter().position(|one| one.marker == START_OF_SCAN).unwrap_or(all.len());
+    let frame = all[..scan].iter().find(|segment| matches!(segment.marker, 0xc0..=0xc2));
+    let Some([_, _, _, _, _, 3, components @ ..]) = frame.map(|frame| frame.contents) else { return };
+    let is_named = components.iter().copied().step_by(3).eq(*b"RGB");
+    let is_jfif = all[..scan].iter().any(|one| one.marker == APP0 && one.contents.starts_with(JFIF));
+    let transforms: Vec<usize> = all[..scan]
+        .iter()
+        .filter(|one| one.marker == APP14 && one.contents.starts_with(ADOBE) && one.contents.len() > TRANSFORM)
+        .map(|one| one.end - one.contents.len() + TRANSFORM)
+        .collect();
+    let is_rgb = !is_jfif && transforms.last().map_or(is_named, |at| jpeg[*at] == 0);
+    // Places of names in the frame and in all scans.
+    let of_frame = frame.into_iter().map(|one| (one.end - one.contents.len() + 6, 3, 3));
+    let of_scans = all.iter().filter(|one| one.marker == START_OF_SCAN && !one.contents.is_empty());
+    let of_scans = of_scans.map(|one| (one.end - one.contents.len() + 1, 2, usize::from(one.contents[0]).min(3)));
+    let names: Vec<usize> =
+        of_frame.chain(of_scans).flat_map(|(at, step, count)| (0..count).map(move |k| at + step * k)).collect();
+    if is_named && !is_rgb {
+        for at in names {
+            jpeg[at..].iter_mut().take(1).for_each(u8::make_ascii_lowercase);
         }
-        (None, None) if is_three && is_rgb => {
-            let contents = [ADOBE, &[0; 7]].concat();
-            let length = (contents.len() as u16 + 2).to_be_bytes();
-            jpeg.splice(2..2, [&[0xff, APP14], &length[..], &contents].concat());
-        }
-        _ => {}
+    }
+    for at in &transforms {
+        jpeg[*at] = u8::from(!is_rgb);
+    }
+    if is_rgb && transforms.is_empty() {
+        let contents = [ADOBE, &[0; TRANSFORM - ADOBE.len() + 1]].concat();
+        let length = (contents.len() as u16 + 2).to_be_bytes();
+        jpeg.splice(2..2, [&[0xff, APP14], &length[..], &contents].concat());
     }
 }
 
@@ -173,7 +182,7 @@ fn head(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatE
         let missing = target - bytes.len() as u64;
         reader.by_ref().take(missing).read_to_end(&mut bytes).map_err(|error| ask.broken(error))?;
         let next = |segment: &Segment<'_>| next_segment(&bytes, segment.end);
-        let mut all = std::iter::successors(next_segment(&bytes, 2), next);
+        let mut all = successors(next_segment(&bytes, 2), next);
         if (bytes.len() as u64) < target || all.any(|one| matches!(one.marker, START_OF_SCAN | END_OF_IMAGE)) {
             return Ok(bytes);
         }
@@ -183,6 +192,9 @@ fn head(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<Vec<u8>, FormatE
 
 /// The decoder of a file of grey or of colours.
 fn decoder<'a>(jpeg: &'a [u8], ask: &Ask<'_>) -> Result<JpegDecoder<Cursor<&'a [u8]>>, FormatError> {
+    if segments(jpeg).any(|segment| matches!(segment.marker, 0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf | 0xf7)) {
+        return Err(ask.found("JPEG of a lossless, hierarchical or arithmetic code"));
+    }
     let decoder = JpegDecoder::new(Cursor::new(jpeg)).map_err(|error| ask.broken(error))?;
     // The first byte after precision and size is the number of components.
     let frame = segments(jpeg).find(|segment| matches!(segment.marker, 0xc0..=0xc2));
@@ -242,6 +254,11 @@ mod tests {
             (named[frame + 10 + 3 * k], named[scan + 5 + 2 * k]) = (name, name);
         }
         assert_eq!(first(&named), stored);
+        // Names count last.
+        assert_eq!(first(&[&named[..2], &adobe(1), &named[2..]].concat()), expected);
+        assert_eq!(first(&[&named[..2], &plain[2..2 + 18], &named[2..]].concat()), expected);
+        assert_eq!(first(&[&named[..2], &adobe(1), &adobe(0), &named[2..]].concat()), stored);
+        assert_eq!(first(&[&named[..2], &plain[2..2 + 18], &adobe(1), &adobe(0), &named[2..]].concat()), expected);
     }
 
     #[test]

@@ -25,6 +25,7 @@ pub(crate) use raster::{Raster, Samples, collected};
 use ask::{ImageReader, rewind};
 use brdfc_formats::FormatError;
 use image::ImageFormat;
+use std::io::Read;
 
 /// Size of a file's first bytes that identify its format.
 const SIGNATURE_BYTES: usize = 16;
@@ -44,6 +45,22 @@ fn format_of(reader: &mut impl ImageReader) -> Option<ImageFormat> {
     }
 }
 
+/// Name of a format that [`format_of`] does not know.
+fn name_of_other(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Result<&'static str, FormatError> {
+    let mut start = Vec::new();
+    reader.by_ref().take(SIGNATURE_BYTES as u64).read_to_end(&mut start).map_err(|error| ask.broken(error))?;
+    let is_text = !start.is_empty() && start.iter().all(|byte| matches!(byte, b'\t' | b'\n' | b'\r' | b' '..=b'~'));
+    Ok(match start.get(4..12) {
+        Some(b"ftypheic" | b"ftypheix" | b"ftypmif1" | b"ftypmsf1") => "HEIC",
+        Some(b"ftypavif" | b"ftypavis") => "AVIF",
+        Some(b"ftypcrx ") => "a raw photograph of Canon",
+        Some(b"JXL \r\n\x87\n") => "JPEG XL",
+        _ if start.starts_with(&[0xff, 0x0a]) => "JPEG XL",
+        _ if is_text => "text",
+        _ => "an unknown format",
+    })
+}
+
 /// Reads what a file states, without its pixels.
 ///
 /// # Errors
@@ -59,7 +76,7 @@ pub(crate) fn read_header(reader: &mut impl ImageReader, ask: &Ask<'_>) -> Resul
         Some(ImageFormat::Tiff) => tiff::header(reader, ask),
         Some(ImageFormat::OpenExr) => exr::header(reader, ask),
         Some(ImageFormat::Hdr) => hdr::header(reader, ask),
-        _ => Err(ask.broken("unknown format")),
+        _ => Err(ask.found(name_of_other(reader, ask)?)),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::ask::{Ask, ImageReader, Purpose, rewind};
 use super::colour::{Colour, Curve};
-use super::exif::Exif;
+use super::exif::{EXIF, Exif};
 use super::header::Header;
 use super::orientation::Orientation;
 use super::raster::{Depth, Raster, Samples, collected};
@@ -86,7 +86,7 @@ fn skipped(reader: &mut impl ImageReader) -> std::io::Result<Skipped> {
             b"eXIf" => {
                 let mut exif = Vec::new();
                 reader.by_ref().take(length.min(MAX_EXIF_BYTES)).read_to_end(&mut exif)?;
-                found.exif = Exif::from_bytes(&exif);
+                found.exif = Exif::from_bytes(exif.strip_prefix(EXIF).unwrap_or(&exif));
                 reader.seek_relative(-(exif.len() as i64))?;
             }
             _ => {}
