@@ -12,6 +12,8 @@ const STEP: f64 = 5.0;
 const MAX_INCIDENCE: f64 = 77.5;
 /// Maximum polar angle of their viewers, degrees.
 const MAX_VIEW: f64 = 85.0;
+/// Maximum half angle of the rows that the nearest ones are compared with, degrees. Farther ones are gaps.
+const MAX_NEXT: f64 = 35.0;
 /// Minimum polar angle of incidence of groups near the light, degrees: the highlight is nearer to it at others.
 const MIN_INCIDENCE_OF_RETRO: f64 = 15.0;
 /// Maximum half angle between light and viewer of the rows nearest to the light, degrees. Farther rows, as of goniometers whose detector
@@ -70,7 +72,8 @@ fn rise(peak_at: PeakAt, incidence: f64, mut rows: Vec<(f64, f64)>) -> Option<Ri
     };
     let nearest = rows[0].0;
     let apart = (1.75 * nearest).max(nearest + 0.5);
-    let first = rows.iter().position(|(half, _)| *half >= apart)?;
+    // Values times cosines fall towards the horizon, with or without a highlight.
+    let first = rows.iter().position(|(half, _)| *half >= apart).filter(|first| rows[*first].0 <= MAX_NEXT)?;
     let (before, next) = (rows[first - 1].0, rows[first].0);
     let nearest_end = 1.25 * nearest;
     let (nearest, at_nearest) = mean(nearest, nearest_end);
