@@ -14,7 +14,7 @@ pub struct Darkest {
 }
 
 impl Darkest {
-    /// Counts the darkest of samples, which are 0 or more, or NaN if not measured; `None` if all are equal.
+    /// Counts the darkest of samples, which are 0 or more, or NaN if not measured; `None` if all have the same value above 0.
     pub fn of(samples: impl Iterator<Item = [f64; 3]> + Clone) -> Option<Self> {
         let (mut value, mut largest) = ([f64::INFINITY; 3], [0.0; 3]);
         for sample in samples.clone() {
@@ -22,7 +22,7 @@ impl Darkest {
             largest = from_fn(|channel| sample[channel].max(largest[channel]));
         }
         let count = || samples.filter(|sample| *sample == value).count() as u64;
-        (value != largest).then(|| Self { value, samples: count() })
+        (value != largest || value == [0.0; 3]).then(|| Self { value, samples: count() })
     }
 }
 
@@ -49,7 +49,7 @@ pub trait Describe {
         0
     }
 
-    /// The darkest samples; `None` for models, and if all samples are equal.
+    /// The darkest samples; `None` for models, and if all samples have the same value above 0.
     fn darkest(&self) -> Option<Darkest> {
         None
     }

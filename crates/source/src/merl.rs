@@ -34,7 +34,7 @@ pub struct MerlFacts {
     pub valid_cells: usize,
     /// Cells without a measurement.
     pub invalid_cells: usize,
-    /// The darkest cells; absent if all are equal.
+    /// The darkest cells; absent if all have the same value above 0.
     pub darkest: Option<Darkest>,
     /// Smoothing, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]

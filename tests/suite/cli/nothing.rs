@@ -38,7 +38,7 @@ const TABLE: &[Checked] = &[
             ("black scan", &["black.csv"], 1, "black"),
             ("negative scan", &["negative.csv"], 1, "black"),
             ("tiny scan", &["tiny.csv"], 1, "black"),
-            ("as many rows as a fit takes", &["few.csv"], 1, "no held-out samples"),
+            ("as many rows as a fit takes", &["few.csv"], 1, "no samples can be held out"),
         ],
     },
     Checked {

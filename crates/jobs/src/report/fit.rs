@@ -114,7 +114,9 @@ pub fn check(limits: FitLimits, errors: ErrorLimits, source: &Reliability, found
                 Some((format!("{}, extrapolated: {problem}", percent(found)), or_trusted(&allowed), false))
             }
             (Some(found), _) => Some((percent(found), allowed, found <= limit)),
-            (None, _) if fit.completed => Some(("no samples can be held out".to_owned(), allowed, false)),
+            (None, _) if fit.completed => {
+                Some(("no samples can be held out: there are too few".to_owned(), allowed, false))
+            }
             // A table is no fit, but its samples may not determine it.
             (None, _) => {
                 let gaps = fit.gaps().or(fit.extrapolation()).filter(|_| !limits.trusted);

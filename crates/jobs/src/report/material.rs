@@ -48,7 +48,7 @@ pub struct MaterialReport {
     pub fit: Option<FitError>,
     /// Rows of the input with a negative channel, which was raised to 0.
     pub rows_raised: u64,
-    /// Samples of the input with the smallest value of each channel; absent for models, and if all samples are equal.
+    /// Samples of the input with the smallest value of each channel; absent for models, and if all samples have the same value above 0.
     #[serde(default)]
     pub darkest: Option<Darkest>,
     /// Rows of a scan whose azimuth of incidence differs from the others, if any.

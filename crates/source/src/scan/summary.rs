@@ -13,7 +13,7 @@ pub struct ScanSummary {
     pub largest_disagreement: f64,
     /// Number of rows with a negative channel (noise, or a colour outside the gamut), raised to 0.
     pub negative: usize,
-    /// Rows with the smallest value of each channel; absent if all rows are equal.
+    /// Rows with the smallest value of each channel; absent if all rows have the same value above 0.
     pub darkest: Option<Darkest>,
     /// True if all rows have the same azimuth of incidence, except for strays, or none, so that the material is taken
     /// as isotropic.
