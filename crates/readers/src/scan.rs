@@ -275,7 +275,7 @@ fn begins_a_scan(text: &str) -> bool {
     let counts = words.next().is_some_and(|word| word.parse::<u32>().is_ok_and(|count| count > 0));
     // A list of lights begins with their number, too.
     let mut words = words.chain(lines.next().unwrap_or("").split_ascii_whitespace());
-    counts && words.all(|word| word.parse::<f64>().is_ok())
+    counts && words.all(|word| word.parse::<f64>().is_ok() || has_decimal_comma(word))
 }
 
 #[cfg(test)]
