@@ -2,15 +2,13 @@
 
 use crate::InputError;
 use crate::image_file::{self, Ask, Header, Purpose};
-use crate::misnamed::wrong_contents;
 use crate::tile_image::FileImage;
 use brdfc_formats::FormatError;
 use brdfc_readers::pixels::Pixels;
-use brdfc_readers::recognise::START_BYTES;
 use image::ImageFormat;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 pub use crate::image_file::CodeValues;
@@ -91,7 +89,7 @@ pub(crate) fn common_header(paths: &[PathBuf], first: &str, codes: Option<CodeVa
     let mut of_first: Option<Header> = None;
     for path in paths {
         let wrong = |error| InputError::format(path, error);
-        let header = image_file::read_header(&mut open(path)?, &ask(codes)).map_err(|error| misnamed(path, error))?;
+        let header = image_file::read_header(&mut open(path)?, &ask(codes)).map_err(wrong)?;
         let [width, height] = header.size;
         common.bytes += header.pixel_bytes() * width as u64 * height as u64;
         *colours.entry(header.colour.to_string()).or_insert(0) += 1;
@@ -125,16 +123,6 @@ pub(crate) fn common_header(paths: &[PathBuf], first: &str, codes: Option<CodeVa
 
 fn ask(codes: Option<CodeValues>) -> Ask<'static> {
     Ask { purpose: Purpose::Colours(codes), field: "image", allowed: ALLOWED, formats: &FORMATS, check: &check_size }
-}
-
-/// The error of a file, with a hint if its contents are of another kind than its name.
-fn misnamed(path: &Path, error: FormatError) -> InputError {
-    let mut start = Vec::new();
-    let length = File::open(path).and_then(|file| {
-        let length = file.metadata()?.len();
-        file.take(START_BYTES as u64).read_to_end(&mut start).map(|_| length)
-    });
-    wrong_contents(path, &start, length.unwrap_or(0), error)
 }
 
 fn check_size([width, height]: [usize; 2]) -> Result<(), FormatError> {

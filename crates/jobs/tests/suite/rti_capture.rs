@@ -258,10 +258,7 @@ fn images_of_two_sizes_too_large_or_broken() {
     assert!(error(folder.path()).contains("b.jpg: image size: found 16385 x 1, expected 1 to 16384 along each side"));
     std::fs::write(folder.path().join("b.jpg"), "no image").unwrap();
     let text = error(folder.path());
-    assert!(
-        text.contains("b.jpg: image: ") && text.ends_with("; expected a complete PNG, JPEG, TIFF or EXR image"),
-        "{text}"
-    );
+    assert!(text.ends_with("b.jpg: image: found text, expected a complete PNG, JPEG, TIFF or EXR image"), "{text}");
     std::fs::write(folder.path().join("b.jpg"), b"GIF89a\x01\x00\x01\x00").unwrap();
     assert!(
         error(folder.path()).ends_with("b.jpg: image: found Gif, expected a complete PNG, JPEG, TIFF or EXR image")
