@@ -155,7 +155,7 @@ kinds! {
     highlight_missed_at_high_incidences: Kind {
         model: "synth:ggx?kd=0.05&f0=0.9&alpha=0.15",
         measured: |pair| pair.outgoing[1].atan2(pair.outgoing[0]).abs() < 2.85,
-        expected: "° incidence values rise",
+        expected: "at 70° incidence values rise",
         ..DENSE
     };
     saturated: Kind { stored: |value| value.min(0.12), expected: "the detector was saturated", ..DENSE };
@@ -260,7 +260,7 @@ fn tables_share_the_checks() {
         (fine, |[half, ..], value| (half > 0.25).then_some(value), "narrower than the samples resolve"),
         (fine, |_, value| Some(value.min(0.2)), "samples are equal"),
         (fine, |_, value| Some((20.0 * value).round() / 20.0), "values are rounded to multiples of 0.05,"),
-        (fine, |[_, difference, _], value| (difference < 1.13).then_some(value), " % of the test directions"),
+        (fine, |[_, difference, _], value| (difference < 1.13).then_some(value), "7 % of the test directions"),
         (dimensions(8, 4, 6), |_, value| Some(value), "are more than 10° from any sample"),
         (dimensions(4, 45, 90), |_, value| Some(value), "are more than 10° from any sample"),
         (fine, |_, value| Some(value), ""),

@@ -124,7 +124,7 @@ pub struct Saturation {
 pub struct Rounding {
     /// The number, 1/sr.
     pub step: f64,
-    /// Mean error of rounding as a fraction of the value: a quarter of the step. A twentieth of the median stands for smaller values.
+    /// Mean error of rounding as a fraction of the value: a quarter of the step. Values below a twentieth of the median count as that.
     pub error: f64,
 }
 

@@ -23,8 +23,8 @@ const NOISE: f32 = 3e-3;
 /// Mean square of the distances of lights (as points of the unit sphere) from a plane through the surface below which
 /// the lights do not determine a normal: 0.6 degrees.
 const MIN_SPREAD: f64 = 1e-4;
-/// Determinant of their second moments, as a share of the largest, below which they do not: lights within 2 degrees of each other. Pixels
-/// whose lit lights do not retain the fit to more lights.
+/// Determinant of their second moments, as a share of the largest, below which they do not either: lights within 2 degrees of each other.
+/// A pixel whose lit lights have less retains the fit to more lights.
 const MIN_DETERMINANT: f64 = 1e-5;
 /// Scaled normals below this are those of black pixels.
 const BLACK: f32 = 1e-12;

@@ -135,25 +135,23 @@ pub(super) fn samples(mut reader: impl ImageReader, ask: &Ask<'_>) -> Result<Ras
 /// names of components first, and then from Adobe's segments: YCbCr in JFIF files, that of the last segment of Adobe in others, and RGB
 /// without both if components are named so.
 fn state_transform(jpeg: &mut Vec<u8>) {
-    let all: Vec<Segment<'_>> = successors(next_segment(jpeg, 2), |segment| next_segment(jpeg, segment.end)).collect();
-    let scan = all.iter().position(|one| one.marker == START_OF_SCAN).unwrap_or(all.len());
-    let frame = all[..scan].iter().find(|segment| matches!(segment.marker, 0xc0..=0xc2));
+    let frame = segments(jpeg).find(|segment| matches!(segment.marker, 0xc0..=0xc2));
     let Some([_, _, _, _, _, 3, components @ ..]) = frame.map(|frame| frame.contents) else { return };
     let is_named = components.iter().copied().step_by(3).eq(*b"RGB");
-    let is_jfif = all[..scan].iter().any(|one| one.marker == APP0 && one.contents.starts_with(JFIF));
-    let transforms: Vec<usize> = all[..scan]
-        .iter()
+    let is_jfif = segments(jpeg).any(|one| one.marker == APP0 && one.contents.starts_with(JFIF));
+    let transforms: Vec<usize> = segments(jpeg)
         .filter(|one| one.marker == APP14 && one.contents.starts_with(ADOBE) && one.contents.len() > TRANSFORM)
         .map(|one| one.end - one.contents.len() + TRANSFORM)
         .collect();
     let is_rgb = !is_jfif && transforms.last().map_or(is_named, |at| jpeg[*at] == 0);
-    // Places of names in the frame and in all scans.
-    let of_frame = frame.into_iter().map(|one| (one.end - one.contents.len() + 6, 3, 3));
-    let of_scans = all.iter().filter(|one| one.marker == START_OF_SCAN && !one.contents.is_empty());
-    let of_scans = of_scans.map(|one| (one.end - one.contents.len() + 1, 2, usize::from(one.contents[0]).min(3)));
-    let names: Vec<usize> =
-        of_frame.chain(of_scans).flat_map(|(at, step, count)| (0..count).map(move |k| at + step * k)).collect();
     if is_named && !is_rgb {
+        // Places of names in the frame and in all scans, which only these rare files are searched for.
+        let all = successors(next_segment(jpeg, 2), |segment| next_segment(jpeg, segment.end));
+        let of_frame = frame.into_iter().map(|one| (one.end - one.contents.len() + 6, 3, 3));
+        let of_scans = all.filter(|one| one.marker == START_OF_SCAN && !one.contents.is_empty());
+        let of_scans = of_scans.map(|one| (one.end - one.contents.len() + 1, 2, usize::from(one.contents[0]).min(3)));
+        let names: Vec<usize> =
+            of_frame.chain(of_scans).flat_map(|(at, step, count)| (0..count).map(move |k| at + step * k)).collect();
         for at in names {
             jpeg[at..].iter_mut().take(1).for_each(u8::make_ascii_lowercase);
         }
