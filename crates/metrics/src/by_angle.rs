@@ -58,7 +58,7 @@ pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSe
     let all = || expected.iter().flatten().map(|f| f.max(0.0));
     let mean = all().sum::<f64>() / all().count().max(1) as f64;
     let mut sums = [(0u64, 0.0); BINS];
-    let mut pairs: Vec<WorstPair> = Vec::new();
+    let mut differences = Vec::with_capacity(set.pairs.len());
     for ((pair, f), g) in set.pairs.iter().zip(&expected).zip(&found) {
         let f = f.map(|value| value.max(0.0));
         let theta = pair.incoming[2].clamp(-1.0, 1.0).acos().to_degrees();
@@ -69,15 +69,14 @@ pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSe
                 *sum += (g[channel] - f[channel]).abs() / f[channel];
             }
         }
-        pairs.push(worst_pair(pair, f, *g));
+        differences.push(difference(pair, f, *g));
     }
-    // The sort is stable: the order does not depend on threads.
-    pairs.sort_by(|a, b| b.difference.total_cmp(&a.difference));
     let mut worst: Vec<WorstPair> = Vec::new();
-    for pair in pairs.iter().filter(|pair| pair.difference > 0.0) {
-        if !worst.iter().any(|other| is_close(other, pair)) {
-            worst.push(*pair);
-        }
+    while let Some(pair) = largest(&differences, |pair| !worst.iter().any(|other| is_close(other, &set.pairs[pair]))) {
+        let DirectionPair { incoming, outgoing } = set.pairs[pair];
+        let reference = expected[pair].map(|value| value.max(0.0));
+        let difference = differences[pair];
+        worst.push(WorstPair { incoming, outgoing, reference, approximation: found[pair], difference });
         if worst.len() == WORST {
             break;
         }
@@ -90,14 +89,26 @@ pub fn by_angle(reference: &dyn Source, approximation: &dyn Source, set: &PairSe
     ByAngle { angles: sums.iter().enumerate().map(angle).collect(), worst }
 }
 
-fn worst_pair(pair: &DirectionPair, reference: [f64; 3], approximation: [f64; 3]) -> WorstPair {
+/// Largest difference of `ln(1 + f cos θi)` over the channels.
+fn difference(pair: &DirectionPair, reference: [f64; 3], approximation: [f64; 3]) -> f64 {
     let seen = |f: f64| (f.max(0.0) * pair.incoming[2].max(0.0)).ln_1p();
     let differences = [0, 1, 2].map(|channel| (seen(approximation[channel]) - seen(reference[channel])).abs());
-    let difference = differences.into_iter().fold(0.0, f64::max);
-    WorstPair { incoming: pair.incoming, outgoing: pair.outgoing, reference, approximation, difference }
+    differences.into_iter().fold(0.0, f64::max)
 }
 
-fn is_close(a: &WorstPair, b: &WorstPair) -> bool {
+/// The first one of the largest differences above 0 among the pairs of which `may` holds.
+fn largest(differences: &[f64], may: impl Fn(usize) -> bool) -> Option<usize> {
+    let mut largest = (None, 0.0);
+    for (pair, difference) in differences.iter().enumerate() {
+        // The costly question last.
+        if *difference > largest.1 && may(pair) {
+            largest = (Some(pair), *difference);
+        }
+    }
+    largest.0
+}
+
+fn is_close(a: &WorstPair, b: &DirectionPair) -> bool {
     let cosine = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     cosine(a.incoming, b.incoming) > CLOSE && cosine(a.outgoing, b.outgoing) > CLOSE
 }
