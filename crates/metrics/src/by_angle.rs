@@ -3,7 +3,7 @@
 use super::sampling::PairSet;
 use super::values::values_of_list;
 use brdfc_core::Source;
-use brdfc_formats::direction::DirectionPair;
+use brdfc_formats::direction::{DirectionPair, dot};
 use serde::{Deserialize, Serialize};
 
 /// Width of a bin, degrees.
@@ -109,8 +109,7 @@ fn largest(differences: &[f64], may: impl Fn(usize) -> bool) -> Option<usize> {
 }
 
 fn is_close(a: &WorstPair, b: &DirectionPair) -> bool {
-    let cosine = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-    cosine(a.incoming, b.incoming) > CLOSE && cosine(a.outgoing, b.outgoing) > CLOSE
+    dot(a.incoming, b.incoming) > CLOSE && dot(a.outgoing, b.outgoing) > CLOSE
 }
 
 #[cfg(test)]
@@ -157,6 +156,11 @@ mod tests {
         let first = &found.worst[0];
         assert!(first.incoming[2] > 0.999 && first.approximation[0] == 40.0, "{first:?}");
         assert!(found.worst.windows(2).all(|two| two[0].difference >= two[1].difference));
+        assert_eq!(found.worst.len(), WORST);
+        for (number, WorstPair { incoming, outgoing, .. }) in found.worst.iter().enumerate() {
+            let pair = DirectionPair { incoming: *incoming, outgoing: *outgoing };
+            assert!(!found.worst[..number].iter().any(|other| is_close(other, &pair)), "{pair:?}");
+        }
     }
 
     #[test]
