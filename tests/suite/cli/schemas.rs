@@ -1,9 +1,11 @@
-//! The schemas of the reports of `--json`. `./scripts/bless` writes them to `schemas/` again.
+//! The schemas of the reports of `--json`. `tests/suite/cli/report_keys.txt` lists their keys with their types, those of a type
+//! that several reports have only once. `./scripts/bless` writes it again, so that no key changes unseen.
 
 use crate::common::cli::Folder;
 use brdfc_testing::schema::{check, complaint};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
+use std::path::Path;
 
 /// The reports for which the program has a schema.
 fn names(folder: &Folder) -> Vec<String> {
@@ -14,13 +16,8 @@ fn names(folder: &Folder) -> Vec<String> {
     names
 }
 
-fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(format!("{name}.json"))
-}
-
 fn schema(name: &str) -> Value {
-    let text = std::fs::read_to_string(file(name)).unwrap_or_else(|error| panic!("schemas/{name}.json: {error}"));
-    serde_json::from_str(&text).unwrap()
+    Folder::new().run(&["schema", name]).succeeded().json()
 }
 
 #[track_caller]
@@ -29,25 +26,70 @@ pub fn conforms(name: &str, report: &Value) {
     assert!(complaint.is_none(), "{name}: {}", complaint.unwrap_or_default());
 }
 
+/// A type in one line, such as `array of Level or null`.
+fn shape(schema: &Value) -> String {
+    if let Some(name) = schema["$ref"].as_str() {
+        return name.rsplit('/').next().unwrap_or(name).to_owned();
+    }
+    let several = |values: &Value, text: &dyn Fn(&Value) -> String| -> Option<String> {
+        Some(values.as_array()?.iter().map(text).collect::<Vec<_>>().join(" or "))
+    };
+    let plain = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let kinds = several(&schema["type"], &plain).unwrap_or_else(|| plain(&schema["type"]));
+    let items = ["items", "additionalProperties"].iter().find(|key| schema[**key].is_object());
+    if let Some(options) = several(&schema["oneOf"], &shape).or_else(|| several(&schema["anyOf"], &shape)) {
+        options
+    } else if let Some(values) = several(&schema["enum"], &Value::to_string) {
+        values
+    } else if !schema["const"].is_null() {
+        schema["const"].to_string()
+    } else if let Some(first) = several(&schema["prefixItems"], &shape) {
+        format!("{kinds} of {first}")
+    } else if let Some(key) = items {
+        format!("{kinds} of {}", shape(&schema[*key]))
+    } else {
+        kinds
+    }
+}
+
+/// Adds a line for each key of an object, and of each alternative of one.
+fn add_keys(name: &str, schema: &Value, lines: &mut BTreeSet<String>) {
+    let properties = schema["properties"].as_object();
+    for (key, value) in properties.into_iter().flatten() {
+        let is_required = schema["required"].as_array().is_some_and(|keys| keys.contains(&json!(key)));
+        lines.insert(format!("{name}.{key}{}: {}", if is_required { "" } else { "?" }, shape(value)));
+        add_keys(&format!("{name}.{key}"), value, lines);
+        add_keys(&format!("{name}.{key}"), &value["items"], lines);
+    }
+    let alternatives = ["oneOf", "anyOf", "allOf"].iter().filter_map(|key| schema[*key].as_array());
+    alternatives.flatten().for_each(|alternative| add_keys(name, alternative, lines));
+}
+
 #[test]
-fn schemas_in_the_repository_are_those_of_the_program() {
+fn keys_of_reports_are_those_on_record() {
     if !cfg!(feature = "render") {
         println!("skipped: schemas of what draws: needs --features render");
         return;
     }
-    let folder = Folder::new();
-    let names = names(&folder);
-    for name in &names {
-        let printed = folder.run(&["schema", name]).succeeded().stdout;
-        if std::env::var_os("BRDFC_BLESS").is_some() {
-            std::fs::create_dir_all(file(name).parent().unwrap()).unwrap();
-            std::fs::write(file(name), &printed).unwrap();
+    let mut lines = BTreeSet::new();
+    for name in names(&Folder::new()) {
+        let schema = schema(&name);
+        add_keys(&name, &schema, &mut lines);
+        for (definition, schema) in schema["$defs"].as_object().into_iter().flatten() {
+            if !schema["properties"].is_object() {
+                lines.insert(format!("{definition}: {}", shape(schema)));
+            }
+            add_keys(definition, schema, &mut lines);
         }
-        let retained = std::fs::read_to_string(file(name)).unwrap_or_default();
-        assert!(retained == printed, "schemas/{name}.json is old: ./scripts/bless");
     }
-    let files = std::fs::read_dir(file("x").parent().unwrap()).unwrap().count();
-    assert_eq!(files, names.len(), "nothing else lies in schemas/");
+    let found: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/cli/report_keys.txt");
+    if std::env::var_os("BRDFC_BLESS").is_some() {
+        std::fs::write(&file, &found).unwrap();
+    }
+    let recorded = std::fs::read_to_string(&file).unwrap_or_default();
+    let changed: Vec<&str> = found.lines().filter(|line| !recorded.lines().any(|other| other == *line)).collect();
+    assert!(recorded == found, "report_keys.txt is old: ./scripts/bless keys_of_reports; new or changed: {changed:#?}");
 }
 
 #[test]
