@@ -27,7 +27,7 @@ LIMIT = 0.4
 LIGHTS = [(0.0, 0.0, 1.0), (0.5, 0.0, 0.866), (-0.5, 0.0, 0.866), (0.0, 0.5, 0.866), (0.0, -0.5, 0.866), (0.4, 0.4, 0.825)]
 D65, D50 = (0.3127, 0.329), (0.3457, 0.3585)
 REC709 = [(0.64, 0.33), (0.3, 0.6), (0.15, 0.06)]
-# Name, primaries, white and exponent; no exponent stands for the curve of sRGB.
+# Name, primaries, white and exponent; without an exponent, the curve is that of sRGB.
 PROFILES = {
     "sRGB": (REC709, D65, None),
     "linear": (REC709, D65, 1.0),
@@ -52,7 +52,7 @@ UPRIGHT = {
 
 # Pillow's own LittleCMS converts 8 bits only; the same library does doubles.
 cms = ctypes.CDLL(glob.glob(os.path.join(os.path.dirname(PIL.__file__), "..", "pillow.libs", "liblcms2*"))[0])
-for function in ("cmsCreateRGBProfile", "cmsCreate_sRGBProfile", "cmsBuildGamma", "cmsBuildParametricToneCurve", "cmsCreateTransform"):
+for function in ("cmsCreateRGBProfile", "cmsBuildGamma", "cmsBuildParametricToneCurve", "cmsCreateTransform"):
     getattr(cms, function).restype = ctypes.c_void_p
 RGB_DOUBLE = 1 << 22 | 4 << 16 | 3 << 3
 SRGB_CURVE = (ctypes.c_double * 5)(2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045)

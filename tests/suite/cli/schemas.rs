@@ -1,10 +1,11 @@
-//! The schemas of the reports of `--json`. `tests/suite/cli/report_keys.txt` lists their keys with their types, those of a type
-//! that several reports have only once. `./scripts/bless` writes it again, so that no key changes unseen.
+//! The schemas of the reports of `--json`. `tests/suite/cli/report_keys.txt` lists their keys with their types, so that
+//! none changes unseen; `./scripts/bless` writes it again. A type that several reports have alike is listed once. If they differ, the
+//! name of the report precedes that of the type.
 
 use crate::common::cli::Folder;
 use brdfc_testing::schema::{check, complaint};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The reports for which the program has a schema.
@@ -72,14 +73,25 @@ fn keys_of_reports_are_those_on_record() {
         return;
     }
     let mut lines = BTreeSet::new();
+    // For each type, the reports by the lines that it has in them.
+    let mut types: BTreeMap<String, BTreeMap<BTreeSet<String>, Vec<String>>> = BTreeMap::new();
     for name in names(&Folder::new()) {
         let schema = schema(&name);
         add_keys(&name, &schema, &mut lines);
         for (definition, schema) in schema["$defs"].as_object().into_iter().flatten() {
+            let mut own = BTreeSet::new();
             if !schema["properties"].is_object() {
-                lines.insert(format!("{definition}: {}", shape(schema)));
+                own.insert(format!("{definition}: {}", shape(schema)));
             }
-            add_keys(definition, schema, &mut lines);
+            add_keys(definition, schema, &mut own);
+            types.entry(definition.clone()).or_default().entry(own).or_default().push(name.clone());
+        }
+    }
+    for versions in types.into_values() {
+        let is_one = versions.len() == 1;
+        for (own, reports) in versions {
+            let prefix = if is_one { String::new() } else { format!("{}/", reports.join(",")) };
+            lines.extend(own.iter().map(|line| format!("{prefix}{line}")));
         }
     }
     let found: String = lines.iter().map(|line| format!("{line}\n")).collect();
