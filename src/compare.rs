@@ -1,7 +1,7 @@
 //! Error of one input compared with another: `brdfc compare`.
 //!
-//! [`reflectances`] compares materials and packs, [`photographs`] measures packs against photographs, [`btf`] packs of several views against a BTF, [`flat_btfs`]
-//! compares flat BTFs; [`Kind::of`] selects one of them by the reference.
+//! [`reflectances`] compares materials and packs, [`photographs`] measures packs against photographs, [`btf`] packs of several views
+//! against a BTF, [`flat_btfs`] compares flat BTFs; the [kind](Kind::of) of the reference selects one of them.
 
 pub use brdfc_flat_btf::probes::ColourErrors;
 pub use brdfc_formats::crop::DirectionRange;
@@ -12,46 +12,13 @@ pub use brdfc_jobs::pwt::{
 pub use brdfc_metrics::compare::Comparison;
 pub use brdfc_pwt::measure::StackErrors;
 
-use crate::{DirectionPair, Error, Input, InputError, Material};
+use crate::{DirectionPair, Error, Input, Material};
 use brdfc_jobs::flatten::compare_flat;
 use brdfc_jobs::pwt::open_flat_material;
 use brdfc_metrics::sampling::{PairSet, random_pairs};
-use brdfc_source::btf_stack::has_images;
-use brdfc_source::flat_btf::flat_btf_file;
-use brdfc_source::ordinary_btf::OrdinaryBtf;
-use brdfc_source::pack::open_pack;
-use brdfc_source::rti_capture::is_rti_capture;
-use std::fs::File;
+use brdfc_source::Kind;
 
 const SEED: u64 = 2007;
-
-/// Kind of comparison, which selects the function.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Photographs of an RTI capture, compared by [`photographs`].
-    RtiCapture,
-    /// A flat BTF, compared by [`flat_btfs`].
-    FlatBtf,
-    /// An ordinary BTF, compared by [`btf`].
-    Btf,
-    /// A material or a pack, compared by [`reflectances`].
-    Reflectance,
-}
-
-impl Kind {
-    /// Selects the comparison by the kind of the reference.
-    ///
-    /// # Errors
-    /// Returns an error if a folder cannot be read or contains several flat BTFs.
-    pub fn of(reference: &Input) -> Result<Self, Error> {
-        Ok(match reference.path() {
-            Some(path) if is_rti_capture(path) => Self::RtiCapture,
-            Some(path) if flat_btf_file(path)?.is_some() => Self::FlatBtf,
-            Some(path) if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) => Self::Btf,
-            _ => Self::Reflectance,
-        })
-    }
-}
 
 /// Direction pairs of a comparison.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -102,22 +69,9 @@ pub fn reflectances(a: &Material, b: &Material, pairs: Pairs) -> Result<Compared
 /// # Errors
 /// Returns an error if a file cannot be read, is damaged or is not a flat BTF.
 pub fn flat_btfs(a: &Input, b: &Input) -> Result<ColourErrors, Error> {
-    let open = |name: &str, input: &Input| {
-        if let Some(material) = open_flat_material(input)? {
-            return Ok(material);
-        }
-        // A file that is missing or damaged, first.
-        if let Some(file) = input.path().filter(|path| !path.is_dir()) {
-            let opened = file.metadata().and_then(|metadata| match metadata.is_file() {
-                true => File::open(file).map(drop),
-                false => Ok(()),
-            });
-            opened.map_err(|error| InputError::Io { name: input.to_string(), error })?;
-            if input.extension()? == "ktx2" {
-                open_pack(input)?;
-            }
-        }
-        Err(Error::wrong_usage(name, input, "a flat BTF, because A is one"))
+    let open = |input: &Input, allowed: &str| match Kind::of(input)? {
+        kind if kind.is_flat_btf() => open_flat_material(input),
+        kind => Err(kind.refused(input, allowed)),
     };
-    Ok(compare_flat(&open("A", a)?, &open("B", b)?))
+    Ok(compare_flat(&open(a, "a flat BTF")?, &open(b, "a flat BTF, because A is one")?))
 }

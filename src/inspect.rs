@@ -12,20 +12,18 @@ pub use brdfc_jobs::flatten::{MeshFacts, SurfaceFacts, describe_surface, open_as
 pub use brdfc_jobs::pack_files::PackFile;
 pub use brdfc_pwt::PwtFacts;
 pub use brdfc_shaders::DeviceNeeds;
+pub use brdfc_source::Kind;
 pub use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
 pub use brdfc_source::open::{Opened, known_files, open, opened};
 pub use brdfc_source::pack::open_pack;
-pub use brdfc_source::ptm::{self, PtmFacts, open_ptm};
-pub use brdfc_source::rti::{self, RtiFacts, open_rti};
-pub use brdfc_source::rti_capture::{self, RtiCapture, RtiCaptureFacts, is_rti_capture};
-pub use brdfc_source::scan::is_scan;
-pub use brdfc_source::smooth::is_table;
+pub use brdfc_source::ptm::{PtmFacts, open_ptm};
+pub use brdfc_source::rti::{RtiFacts, open_rti};
+pub use brdfc_source::rti_capture::{RtiCapture, RtiCaptureFacts};
 
-use crate::{Error, FormatError, Input, InputError};
+use crate::{Error, Input, InputError};
 use brdfc_jobs::pack_files::pack_files;
 use brdfc_source::read::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
-use std::fs::File;
 
 /// Lists the textures of a pack by file name; textures in key/value data are named `NAME#KEY`.
 ///
@@ -33,13 +31,11 @@ use std::fs::File;
 /// Returns an error if the file cannot be read, is not a pack or is damaged.
 pub fn files(input: &Input) -> Result<BTreeMap<String, PackFile>, Error> {
     let wrong = |error| InputError::Format { name: input.to_string(), error };
-    if input.extension()? != "ktx2" {
-        // Report an unreadable file first.
-        if let Some(path) = input.path() {
-            File::open(path).map_err(|error| Error::from(InputError::Io { name: input.to_string(), error }))?;
-        }
-        return Err(wrong(FormatError::whole("input", "not a pack", "a pack").problem()).into());
+    let kind = Kind::of(input)?;
+    if !kind.is_ktx2() {
+        return Err(kind.refused(input, "a pack").into());
     }
+    let input = if kind.is_flat_btf() { &flat_btf_file(input)? } else { input };
     let bytes = input.read(MAX_FILE_BYTES)?;
     AnyPack::from_bytes(&bytes).map_err(wrong)?;
     Ok(pack_files(&input.short_name(), &bytes).map_err(wrong)?)

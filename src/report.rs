@@ -5,10 +5,10 @@
 
 pub use brdfc_jobs::report::page::{
     CSV_HEADER, FLAT_CSV_HEADER, FlatPage, PER_PAGE, Page, PageMaterial, PageOptions, PageReport, Reports, ViewLink,
-    csv, flat_csv, flat_html, gather, html, is_flat_btf, part_html,
+    csv, flat_csv, flat_html, gather, html, part_html,
 };
 pub use brdfc_jobs::scene::plan::REPORT;
-pub use brdfc_source::flat_btf::flat_btf_file;
+pub use brdfc_jobs::write::build_folder;
 
 use brdfc_jobs::report::page::sheet;
 use brdfc_render::rendering::rgb_png;

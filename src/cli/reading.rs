@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::output::refuse_flags;
-use brdfc::inspect::{is_scan, is_table};
+use brdfc::inspect::Kind;
 use brdfc::relight::CodeValues;
 use brdfc::{Input, Material, Reading, Smooth, open_with};
 use brdfc_terminal::values::{any_whole_number, one_of};
@@ -80,7 +80,11 @@ pub fn checked(reading: impl Into<Reading>, inputs: &[&Input]) -> Result<Reading
     for (flag, _, [scans, tables], allowed) in flags.into_iter().filter(|(_, is_given, ..)| *is_given) {
         let mut applies = false;
         for input in inputs {
-            applies |= scans && is_scan(input)? || tables && is_table(input)?;
+            applies |= match Kind::of(input)? {
+                Kind::Scan => scans,
+                Kind::Table => tables,
+                _ => false,
+            };
         }
         if !applies {
             let names: Vec<String> = inputs.iter().map(|input| input.short_name()).collect();

@@ -6,10 +6,10 @@ use super::output::{
 };
 use super::progress::Materials;
 use super::{Common, Error};
-use brdfc::inspect::{AnyPack, open_pack};
+use brdfc::inspect::{Kind, flat_btf_file};
 use brdfc::report::{
-    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, Page, PageMaterial, PageOptions, REPORT, Reports, ViewLink, csv,
-    flat_btf_file, flat_csv, flat_html, gather, html, is_flat_btf, part_html, sheet_png,
+    CSV_HEADER, FLAT_CSV_HEADER, FlatPage, Page, PageMaterial, PageOptions, REPORT, Reports, ViewLink, build_folder,
+    csv, flat_csv, flat_html, gather, html, part_html, sheet_png,
 };
 use brdfc::view::{ViewOptions, open_items, view_page};
 use brdfc::{Fraction, Input, Progress};
@@ -78,10 +78,15 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_dash(&arguments.folder)?;
     let folder = build_folder(&arguments.folder);
     arguments.sheet.as_ref().map_or(Ok(()), |sheet| refuse_other_extension("--sheet", sheet, &["png"]))?;
-    // Builds are folders: any other file gets the errors of reading a flat BTF.
-    if is_flat_btf(folder) || folder.is_file() {
-        refuse_other_pack(folder)?;
-        return of_flat_btf(arguments, common);
+    let input = Input::from(arguments.folder.clone().into_os_string());
+    let kind = Kind::of(&input)?;
+    if kind.is_flat_btf() {
+        return of_flat_btf(arguments, &input, common);
+    }
+    // A build that is not complete has no report yet.
+    if !matches!(kind, Kind::Build | Kind::Packs | Kind::Folder) {
+        let allowed = "the folder of a build, or a flat BTF; 'brdfc info' describes a single pack";
+        return Err(kind.refused(&input, allowed).into());
     }
     let tolerance = arguments
         .tolerance
@@ -204,38 +209,25 @@ fn refuse_other_figures(output: &Path, csv_path: &Path, json_path: &Path) -> Res
     Ok(())
 }
 
-/// Returns the folder of a build, which may be given by its report.
-fn build_folder(path: &Path) -> &Path {
-    if path.file_name().is_some_and(|name| name == REPORT) { folder_of(path) } else { path }
-}
-
-/// Rejects a pack that is no flat BTF.
-fn refuse_other_pack(path: &Path) -> Result<(), Error> {
-    let pack = if path.is_file() { open_pack(Input::from(path)).ok() } else { None };
-    let is_flat = |pack: &AnyPack| matches!(pack, AnyPack::FlatBtf(_) | AnyPack::FlatBtfTrees(_));
-    let Some(found) = pack.filter(|pack| !is_flat(pack)) else { return Ok(()) };
-    let allowed = "the folder of a build, or a flat BTF; 'brdfc info' describes a single pack";
-    Err(Error::wrong_input(path.display(), found.kind().summary(), allowed))
-}
-
 /// Writes the page of a flat BTF.
-fn of_flat_btf(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    let (folder, output) = (arguments.folder.as_path(), arguments.output.as_path());
+fn of_flat_btf(arguments: &Arguments, input: &Input, common: Common) -> Result<(), Error> {
+    let output = arguments.output.as_path();
     let given = [
         (arguments.against.is_some(), "--against"),
         (arguments.sheet.is_some(), "--sheet"),
         (arguments.only.is_some(), "--only"),
     ];
     let flags = given.map(|(given, flag)| (given, flag, "builds"));
-    refuse_flags(format!("{}, a flat BTF", folder.display()), &flags)?;
-    let file = flat_btf_file(folder)?;
+    refuse_flags(format!("{input}, a flat BTF"), &flags)?;
+    let file = flat_btf_file(input)?;
+    let file = file.path();
     let [csv_path, json_path] = ["csv", "json"].map(|extension| output.with_extension(extension));
-    refuse_pages_over(output, [&csv_path, &json_path], file.as_deref().as_slice())?;
+    refuse_pages_over(output, [&csv_path, &json_path], file.as_slice())?;
     refuse_other_figures(output, &csv_path, &json_path)?;
     if let Some(path) = &arguments.view {
-        refuse_unfit_view(path, output, file.as_deref().as_slice())?;
+        refuse_unfit_view(path, output, file.as_slice())?;
     }
-    let mut page = FlatPage::open(folder)?;
+    let mut page = FlatPage::open(input)?;
     page.view = write_view(arguments, &())?;
     write_file(&csv_path, flat_csv(&page.asset).as_bytes())?;
     write_file(&json_path, to_json(&page.asset).as_bytes())?;

@@ -5,8 +5,9 @@ use super::output::{
 };
 use super::{Common, Error};
 use crate::table;
+use brdfc::Input;
+use brdfc::inspect::Kind;
 use brdfc::shader::{BrdfShader, EntryPoint, Interface, Language, PackKind, open_flat_btf, open_pack, shader};
-use brdfc::{ErrorKind, Input};
 use brdfc_terminal::words::{one_of, quoted};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
@@ -148,15 +149,12 @@ fn decoder(kind: &OsString) -> Result<PackKind, Error> {
     if is_word && !path.exists() {
         return Err(Error::wrong_usage("KIND", quoted(&path.to_string_lossy()), kinds()));
     }
-    if path.is_dir() {
-        return Ok(open_flat_btf(path)?.decoder.parts().reflectance.kind());
+    let input = Input::from(path);
+    match Kind::of(&input)? {
+        kind if kind.is_flat_btf() => Ok(open_flat_btf(input)?.decoder.parts().reflectance.kind()),
+        kind if kind.is_ktx2() => Ok(open_pack(input)?.kind()),
+        kind => Err(kind.refused(&input, format!("a pack, or {}", kinds())).into()),
     }
-    open_pack(Input::File(path.to_owned())).map(|pack| pack.kind()).map_err(|error| {
-        let error = Error::from(error);
-        let is_pack = path.extension().is_some_and(|extension| extension == "ktx2");
-        let text = format!("{}: not a pack; expected {}", path.display(), kinds());
-        if is_pack || error.kind() != ErrorKind::Input { error } else { error.with_message(text) }
-    })
 }
 
 impl Report {

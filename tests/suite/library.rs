@@ -190,8 +190,9 @@ fn modules_make_the_files_of_the_verbs() {
 
 #[test]
 fn materials_are_compared_and_evaluated() {
-    use brdfc::compare::{Kind, Pairs, reflectances};
+    use brdfc::compare::{Pairs, reflectances};
     use brdfc::evaluate::{open_level, pairs_from_csv, values_at};
+    use brdfc::inspect::Kind;
 
     let (a, b) = (brdfc::open(MODEL).unwrap(), brdfc::open("synth:ggx?alpha=0.32").unwrap());
     let of = |pairs| reflectances(&a, &b, pairs).unwrap();
@@ -211,5 +212,5 @@ fn materials_are_compared_and_evaluated() {
     assert_eq!(open_level(MODEL, Some(1.0)).err().map(|error| error.kind()), Some(ErrorKind::Usage));
     let error = pairs_from_csv(&"list.csv".into(), b"wi_x\n1\n").unwrap_err();
     assert!(error.kind() == ErrorKind::Input && error.message().starts_with("list.csv: "), "{error}");
-    assert_eq!(Kind::of(&MODEL.into()).unwrap(), Kind::Reflectance);
+    assert_eq!(Kind::of(&MODEL.into()).unwrap(), Kind::Model);
 }

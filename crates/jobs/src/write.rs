@@ -1,6 +1,7 @@
 //! Atomic writes of files.
 
 use crate::store::{PREFIX, SUFFIX};
+use brdfc_source::kind::BUILD_REPORT;
 use std::io::Write;
 use std::path::Path;
 
@@ -17,6 +18,11 @@ pub fn or_here(folder: &Path) -> &Path {
 /// The folder that contains a file.
 pub fn folder_of(file: &Path) -> &Path {
     or_here(file.parent().unwrap_or(Path::new("")))
+}
+
+/// The folder of a build that is named by its report; any other path itself.
+pub fn build_folder(path: &Path) -> &Path {
+    if path.file_name().is_some_and(|name| name == BUILD_REPORT) { folder_of(path) } else { path }
 }
 
 /// Writes `bytes` to a temporary file next to `path`, then renames it. Devices and pipes are written to directly. A

@@ -48,28 +48,28 @@ pub static KTX2: FileKind = FileKind {
     begins: Begins::With(&[b"\xabKTX 20\xbb\r\n\x1a\n", b"\xabKTX 20\xbb\r\n\x1a\n\0"]),
 };
 /// Portable Network Graphics.
-static PNG: FileKind =
+pub static PNG: FileKind =
     FileKind { description: "a PNG image (.png)", extensions: &["png"], begins: Begins::With(&[b"\x89PNG\r\n\x1a\n"]) };
 /// JPEG.
-static JPEG: FileKind = FileKind {
+pub static JPEG: FileKind = FileKind {
     description: "a JPEG image (.jpg)",
     extensions: &["jpg", "jpeg"],
     begins: Begins::With(&[b"\xff\xd8\xff", b"\xff\xd8\xff\xe0\0\x10JFIF"]),
 };
 /// OpenEXR.
-static EXR: FileKind = FileKind {
+pub static EXR: FileKind = FileKind {
     description: "an OpenEXR image (.exr)",
     extensions: &["exr"],
     begins: Begins::With(&[b"\x76\x2f\x31\x01", b"\x76\x2f\x31\x01\x02\0\0\0"]),
 };
 /// Radiance HDR.
-static HDR: FileKind = FileKind {
+pub static HDR: FileKind = FileKind {
     description: "a Radiance image (.hdr)",
     extensions: &["hdr"],
     begins: Begins::With(&[b"#?RADIANCE", b"#?RGBE", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"]),
 };
 /// TIFF.
-static TIFF: FileKind = FileKind {
+pub static TIFF: FileKind = FileKind {
     description: "a TIFF image (.tif)",
     extensions: &["tif", "tiff"],
     begins: Begins::With(&[b"II*\0", b"MM\0*", b"II*\0\x08\0\0\0"]),
@@ -138,7 +138,7 @@ static ZEMAX: FileKind = FileKind {
     }),
 };
 /// A scene manifest.
-static MANIFEST: FileKind = FileKind {
+pub static MANIFEST: FileKind = FileKind {
     description: "a scene manifest (.toml)",
     extensions: &["toml"],
     begins: Begins::Text(|text| text.lines().any(|line| begins_with(line, &["[materials.", "[[uses]]", "[scene]"]))),

@@ -5,7 +5,7 @@ use crate::photograph::{CodeValues, Common, Image, common_header};
 use crate::rti_capture::is_of_macos;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
-use brdfc_readers::btf_stack::{StackContents, StackIndex, is_image};
+use brdfc_readers::btf_stack::{StackContents, StackIndex};
 use std::path::{Path, PathBuf};
 
 /// Number of searched levels of folders: the stack's own folder and its subfolders.
@@ -105,17 +105,18 @@ pub fn survey(folder: &Path) -> Result<(StackContents, Common), InputError> {
     Ok((contents, common))
 }
 
-/// Returns true if a folder or one of its subfolders has a file with the extension of an image.
-pub fn has_images(folder: &Path) -> bool {
+/// Files of a folder and of its subfolders, with `/` after the name of a subfolder; empty if the folder cannot be read.
+pub(crate) fn files_in(folder: &Path) -> Vec<String> {
     let mut paths = Vec::new();
-    list(folder, "", LEVELS, &mut 0, &mut paths).is_ok() && paths.iter().any(|path| is_image(path))
+    if list(folder, "", LEVELS, &mut 0, &mut paths).is_err() {
+        paths.clear();
+    }
+    paths
 }
 
 /// Image files of a folder that is an ordinary BTF by its file names, complete or not; empty for other folders.
 pub fn images_of(folder: &Path) -> Vec<PathBuf> {
-    let mut paths = Vec::new();
-    let listed = list(folder, "", LEVELS, &mut 0, &mut paths).ok();
-    let contents = listed.and_then(|()| StackContents::new(&paths).ok());
+    let contents = StackContents::new(&files_in(folder)).ok();
     contents.map_or_else(Vec::new, |contents| contents.files.iter().map(|file| folder.join(file)).collect())
 }
 

@@ -1,12 +1,11 @@
 //! Flat BTFs as inputs.
 
-use crate::InputError;
-use crate::read::{MAX_FILE_BYTES, open_path, read_file};
+use crate::pack::{kind_in, kind_of_file};
+use crate::read::{MAX_FILE_BYTES, open_path};
+use crate::{Input, InputError};
 use brdfc_core::words::join_truncated;
-use brdfc_formats::bindings::PackFile;
 use brdfc_formats::flat_btf::{FlatBtfFile, FlatView};
 use brdfc_formats::{FormatError, PackKind};
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Maximum number of files of a folder that are read.
@@ -14,14 +13,11 @@ const MAX_ENTRIES: usize = 1 << 16;
 /// Maximum number of files in an error.
 const MAX_LISTED: usize = 6;
 
-/// Finds the file of a flat BTF: the path itself, or the only one in a folder. `None` if there is none.
+/// The only flat BTF in a folder; `None` if there is none.
 ///
 /// # Errors
-/// Returns an error for a folder with several flat BTFs, and for one that cannot be read.
-pub fn flat_btf_file(path: &Path) -> Result<Option<PathBuf>, InputError> {
-    if !path.is_dir() {
-        return Ok(is_flat_btf(path).then(|| path.to_owned()));
-    }
+/// Returns an error for several flat BTFs, and for a folder that cannot be read.
+pub(crate) fn flat_btf_in(path: &Path) -> Result<Option<PathBuf>, InputError> {
     let io = |error| InputError::Io { name: path.display().to_string(), error };
     let mut found = Vec::new();
     for (number, entry) in std::fs::read_dir(path).map_err(io)?.enumerate() {
@@ -47,36 +43,45 @@ pub fn flat_btf_file(path: &Path) -> Result<Option<PathBuf>, InputError> {
 
 /// Returns true if a file starts like a flat BTF.
 fn is_flat_btf(file: &Path) -> bool {
-    if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2")) {
-        return false;
-    }
-    let mut head = Vec::with_capacity(PackFile::HEAD_BYTES);
-    let read = std::fs::File::open(file).and_then(|file| file.take(PackFile::HEAD_BYTES as u64).read_to_end(&mut head));
-    read.is_ok() && PackFile::decoder_in(&head).and_then(PackKind::from_name).is_some_and(is_kind_of_flat_btf)
+    kind_of_file(file).is_some_and(is_kind_of_flat_btf)
 }
 
 /// Returns true for both kinds of flat BTFs.
-fn is_kind_of_flat_btf(kind: PackKind) -> bool {
+pub(crate) fn is_kind_of_flat_btf(kind: PackKind) -> bool {
     matches!(kind, PackKind::FlatBtf | PackKind::FlatBtfTrees)
 }
 
-/// Reads the flat BTF at a path.
+/// The file of a flat BTF: the input itself, or the only flat BTF in a folder.
 ///
 /// # Errors
-/// Same as [`flat_btf_file`]. Also returns an error if the path has no flat BTF, and for a file that cannot be read or
-/// violates its layout.
-pub fn open_flat_btf(path: &Path) -> Result<FlatBtfFile, InputError> {
-    let Some(file) = flat_btf_file(path)? else {
-        if !path.is_dir() {
+/// Returns an error for a folder with several flat BTFs or without one, and for other inputs.
+pub fn flat_btf_file(input: &Input) -> Result<Input, InputError> {
+    let found = match input {
+        Input::File(folder) if folder.is_dir() => match flat_btf_in(folder)? {
+            Some(file) => return Ok(file.into()),
+            None => "no flat BTF in this folder",
+        },
+        Input::File(file) if !is_flat_btf(file) => {
             // Reports a missing file.
-            open_path(path)?;
+            open_path(file)?;
+            "not a flat BTF"
         }
-        let found = if path.is_dir() { "no flat BTF in this folder" } else { "not a flat BTF" };
-        let error = FormatError::whole("input", found, "the NAME.ktx2 of 'brdfc flatten', or its folder").problem();
-        return Err(InputError::format(path, error));
+        Input::Stdin(stdin) if !kind_in(stdin.bytes()?).is_some_and(is_kind_of_flat_btf) => "not a flat BTF",
+        Input::Address(_) => "not a flat BTF",
+        _ => return Ok(input.clone()),
     };
-    let bytes = read_file(&file, MAX_FILE_BYTES)?;
-    FlatBtfFile::from_bytes(&bytes).map_err(|error| InputError::format(&file, error))
+    let error = FormatError::whole("input", found, "the NAME.ktx2 of 'brdfc flatten', or its folder").problem();
+    Err(InputError::format(input.named_path(), error))
+}
+
+/// Reads a flat BTF.
+///
+/// # Errors
+/// Same as [`flat_btf_file`]. Also returns an error for a file that cannot be read or violates its layout.
+pub fn open_flat_btf(input: impl Into<Input>) -> Result<FlatBtfFile, InputError> {
+    let file = flat_btf_file(&input.into())?;
+    let bytes = file.read(MAX_FILE_BYTES)?;
+    FlatBtfFile::from_bytes(&bytes).map_err(|error| InputError::format(file.named_path(), error))
 }
 
 /// Decodes a view of a flat BTF, and returns the number of views; `None` if `view` is beyond them.

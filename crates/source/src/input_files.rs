@@ -1,7 +1,7 @@
 //! Files of an input.
 
 use crate::btf_stack::images_of;
-use crate::flat_btf::flat_btf_file;
+use crate::flat_btf::flat_btf_in;
 use crate::rti_capture::{files_of_stack, is_rti_capture};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub fn files_behind(path: &Path) -> Vec<PathBuf> {
         files.extend(files_of_stack(path));
     }
     if path.is_dir() {
-        files.extend(flat_btf_file(path).ok().flatten());
+        files.extend(flat_btf_in(path).ok().flatten());
         files.extend(images_of(path));
     }
     files

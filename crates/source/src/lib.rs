@@ -9,6 +9,7 @@ mod image_file;
 mod input;
 pub mod input_files;
 pub mod json;
+pub mod kind;
 mod merl;
 pub mod meso;
 mod misnamed;
@@ -31,6 +32,7 @@ pub mod viewer_file;
 
 pub use error::InputError;
 pub use input::{Input, Reading, StandardInput};
+pub use kind::Kind;
 pub use merl::MerlSource;
 pub use rgl::RglSource;
 pub use scan::ScanSource;

@@ -1,7 +1,7 @@
 //! Meso-geometry from files: meshes and height maps.
 
 use super::input::{Input, InputFile};
-use super::read::{found_extension, unknown_kind};
+use super::kind::Kind;
 use crate::InputError;
 use crate::image_file::{self, Ask, Purpose, Samples, collected};
 use brdfc_formats::FormatError;
@@ -51,18 +51,9 @@ pub fn open_meso(input: impl Into<Input>) -> Result<MesoInput, InputError> {
         "png" => |bytes| heights_from_png(bytes).map(MesoInput::Heights),
         "exr" => |bytes| heights_from_exr(bytes).map(MesoInput::Heights),
         _ => {
-            // A missing file is reported before its extension.
-            let length = InputFile::of(&input, &mut ())?.length;
-            let (field, found) = match input.is_stdin() {
-                true if length == 0 => ("contents", Err("empty file")),
-                true if extension.is_empty() => ("contents", Err("unknown layout")),
-                true => ("contents", Ok(format!("a .{extension} file"))),
-                false => ("file name", found_extension(&extension)),
-            };
             let allowed = ".obj or .ply (mesh), .png or .exr (height map), .btf or a folder (BTF), or synth:NAME \
                            (structure)";
-            let error = unknown_kind(field, found, allowed);
-            return Err(InputError::format(input.named_path(), error));
+            return Err(Kind::of(&input)?.refused(&input, allowed));
         }
     };
     let mut listener = ();

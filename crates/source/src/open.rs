@@ -5,17 +5,16 @@ pub use brdfc_core::Describe;
 
 use super::error::InputError;
 use super::input::{Input, InputFile, Reading};
+use super::kind::Kind;
 use super::merl::{self, MerlFacts};
-use super::read::{ReadListener, extension_of, found_extension, unknown_kind};
+use super::read::{ReadListener, extension_of};
 use super::rgl::{self, RglFacts};
-use super::rti_capture::{self, is_rti_capture};
 use super::scan::{self, ScanFacts};
-use super::ubo_btf::is_ubo_btf;
-use super::{format, pack, ptm, rti};
+use super::{format, pack};
 use brdfc_core::address;
 use brdfc_core::words::one_of;
 use brdfc_encode::PackFacts;
-use brdfc_formats::{BrdfPack, FormatError};
+use brdfc_formats::BrdfPack;
 use std::ops::Deref;
 use std::path::Path;
 
@@ -111,16 +110,11 @@ pub fn open(input: impl Into<Input>, reading: impl Into<Reading>) -> Result<Open
         }
         Input::File(path) => open_file(path, reading),
         Input::Stdin(_) => {
+            let Some(format) = format_of(&input.extension()?) else {
+                return Err(Kind::of(&input)?.refused(&input, allowed()));
+            };
             let mut listener = ();
-            let input_file = InputFile { reading, ..InputFile::of(&input, &mut listener)? };
-            match format_of(&input.extension()?) {
-                Some(format) => (format.open)(input_file),
-                None => {
-                    let found = if input_file.length == 0 { "empty file" } else { "unknown layout" };
-                    let error = FormatError::whole("contents", found, known_files()).problem();
-                    Err(input_file.wrong(error))
-                }
-            }
+            (format.open)(InputFile { reading, ..InputFile::of(&input, &mut listener)? })
         }
     }
 }
@@ -151,32 +145,15 @@ pub fn open_file_observed(
     reading: impl Into<Reading>,
     listener: &mut dyn ReadListener,
 ) -> Result<Opened, InputError> {
-    if path.is_dir() && is_rti_capture(path) {
-        return Err(InputError::format(path, without_brdf("an RTI capture")));
-    }
-    let input_file = InputFile { reading: reading.into(), ..InputFile::at(path, listener)? };
-    let extension = extension_of(path);
-    match extension.as_str() {
-        rti_capture::EXTENSION => return Err(input_file.wrong(without_brdf("an RTI capture"))),
-        ptm::EXTENSION => return Err(input_file.wrong(without_brdf("a polynomial texture map"))),
-        rti::EXTENSION => return Err(input_file.wrong(without_brdf("an RTI file"))),
-        _ => {}
-    }
-    // The extension is checked before more than the start is read.
-    let Some(format) = format_of(&extension) else {
-        let mut allowed = format!("{}, or synth:MODEL", known_files());
-        if is_ubo_btf(path) {
-            allowed += "; use 'brdfc flatten' for BTFs";
-        }
-        return Err(input_file.wrong(unknown_kind("file name", found_extension(&extension), allowed)));
+    // The name is checked before more than the start is read.
+    let Some(format) = format_of(&extension_of(path)).filter(|_| !path.is_dir()) else {
+        let input = Input::from(path);
+        return Err(Kind::of(&input)?.refused(&input, allowed()));
     };
-    (format.open)(input_file)
+    (format.open)(InputFile { reading: reading.into(), ..InputFile::at(path, listener)? })
 }
 
-/// Error for a surface that was measured from a single view.
-fn without_brdf(what: &str) -> FormatError {
-    let found = format!("{what} has no BRDF, only images of one view under many lights");
-    let allowed =
-        format!("{}, or synth:MODEL; 'brdfc pwt' makes a pack of {what}, and 'brdfc info' describes it", known_files());
-    FormatError::whole("input", found, allowed).problem()
+/// Inputs that can be opened, for messages.
+fn allowed() -> String {
+    format!("{}, or synth:MODEL", known_files())
 }

@@ -3,7 +3,7 @@
 use crate::InputError;
 use crate::btf_stack::BtfStack;
 use crate::photograph::{CodeValues, Image};
-use crate::ubo_btf::{UboBtfFile, is_ubo_btf};
+use crate::ubo_btf::UboBtfFile;
 use brdfc_formats::direction_set::DirectionSet;
 use std::path::Path;
 
@@ -16,11 +16,6 @@ pub enum OrdinaryBtf {
 }
 
 impl OrdinaryBtf {
-    /// Returns true if a path leads to an ordinary BTF: a folder, or a file with the extension `btf`.
-    pub fn is_one(path: &Path) -> bool {
-        path.is_dir() || is_ubo_btf(path)
-    }
-
     /// Opens a folder or a file.
     ///
     /// # Errors

@@ -3,10 +3,13 @@
 use super::error::InputError;
 use super::format::{Format, Opened};
 use super::input::{Input, InputFile};
+use super::read::{extension_of, start_of};
 use brdfc_core::PackSource;
 use brdfc_encode::PackFacts;
+use brdfc_formats::bindings::PackFile;
 use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
 use brdfc_readers::recognise::KTX2;
+use std::path::Path;
 
 /// BRDF packs of any codec as inputs.
 pub(crate) const fn format<F: From<PackFacts>>() -> Format<F> {
@@ -21,6 +24,18 @@ fn open<F: From<PackFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputErro
 /// Wraps a pack as an input, decoded at a level of detail; `None` is the finest.
 pub(crate) fn opened<F: From<PackFacts>>(pack: &BrdfPack, level: Option<f32>) -> Opened<F> {
     Opened { source: Box::new(PackSource::new(&**pack, level)), facts: PackFacts::from(pack).into() }
+}
+
+/// Kind of the pack that a file starts with; `None` for other files.
+pub(crate) fn kind_of_file(file: &Path) -> Option<PackKind> {
+    let is_texture = KTX2.extensions.contains(&extension_of(file).as_str());
+    let start = is_texture.then(|| start_of(file, PackFile::HEAD_BYTES)).flatten()?;
+    kind_in(&start)
+}
+
+/// Kind of the pack that starts with these bytes.
+pub(crate) fn kind_in(start: &[u8]) -> Option<PackKind> {
+    PackKind::from_name(PackFile::decoder_in(&start[..start.len().min(PackFile::HEAD_BYTES)])?)
 }
 
 /// Reads a pack of any kind.

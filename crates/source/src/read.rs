@@ -192,6 +192,17 @@ pub(crate) fn read_within(path: &Path, file: impl Read, length: u64, limit: u64)
     Ok(contents)
 }
 
+/// The first `most` bytes of a regular file; `None` for pipes, whose bytes can be read only once, and for files that cannot be read.
+pub(crate) fn start_of(path: &Path, most: usize) -> Option<Vec<u8>> {
+    if !path.is_file() {
+        return None;
+    }
+    let (file, _) = open_path(path).ok()?;
+    let mut start = Vec::with_capacity(most);
+    file.take(most as u64).read_to_end(&mut start).ok()?;
+    Some(start)
+}
+
 /// Extension of a file's name in lower case; empty without one.
 pub(crate) fn extension_of(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase()

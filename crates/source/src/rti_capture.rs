@@ -237,7 +237,7 @@ fn check_distances(near: &NearLights, lines: &[u64]) -> Result<(), FormatError> 
 }
 
 /// Returns true if a path is a list of lights by its name, or a folder with such a list.
-pub fn is_rti_capture(path: &Path) -> bool {
+pub(crate) fn is_rti_capture(path: &Path) -> bool {
     if path.is_dir() { lists(path).is_ok_and(|lists| !lists.is_empty()) } else { extension_of(path) == EXTENSION }
 }
 

@@ -11,10 +11,7 @@
 //! its minimum over a list of radii balances both: narrow fits in highlights, wide ones where reflectance changes slowly.
 //! Lines whose residuals grow steeply even at the smallest radii keep their values: the grid does not resolve them.
 
-use super::error::InputError;
-use super::input::Input;
 use brdfc_core::words::percent;
-use brdfc_readers::{merl, rgl};
 use rayon::prelude::*;
 
 /// Radii among which left-out values choose.
@@ -64,15 +61,6 @@ impl Smoothed {
         let noise = format!("{}{}", if least == most { "at most " } else { "" }, percent(self.noise));
         [("estimated noise of the values", noise), ("cells on each side of a fit", radius)]
     }
-}
-
-/// Returns true for an input whose extension, or contents on standard input, are those of a dense table.
-///
-/// # Errors
-/// Returns an error if standard input cannot be read.
-pub fn is_table(input: &Input) -> Result<bool, InputError> {
-    let extension = input.extension()?;
-    Ok([&merl::KIND, &rgl::KIND].iter().any(|kind| kind.extensions.contains(&extension.as_str())))
 }
 
 /// Smooths linear RGB values in the order of a shape, last axis fastest, with a radius, or by radii that left-out values

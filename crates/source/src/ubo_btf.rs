@@ -88,8 +88,3 @@ impl UboBtfFile {
         Ok(Image::new(self.size(), pixels))
     }
 }
-
-/// Returns true if a path has the extension of these files.
-pub fn is_ubo_btf(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
-}

@@ -9,10 +9,10 @@ use super::reading::{PhotographOptions, ReadingOptions, checked};
 use super::{Common, Error};
 use crate::table;
 use brdfc::compare::{
-    BtfComparison, Compared as Measured, Comparison, DirectionRange, Kind, Pairs, PhotographComparison, reflectances,
+    BtfComparison, Compared as Measured, Comparison, DirectionRange, Pairs, PhotographComparison, reflectances,
 };
 use brdfc::evaluate::pairs_from_csv;
-use brdfc::inspect::{AnyPack, is_rti_capture, open_pack, ptm, rti};
+use brdfc::inspect::{Kind, PackKind};
 use brdfc::{Facts, Fraction, Input, Material, Reading, open_with};
 use clap::Args;
 use serde::Serialize;
@@ -135,14 +135,13 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     refuse_stdin_twice(&inputs)?;
     let reading = checked(arguments.reading, &[&arguments.a, &arguments.b])?;
     let kind = Kind::of(&arguments.a)?;
-    if let (Kind::RtiCapture, Some(stack)) = (kind, arguments.a.path()) {
-        return photographs(arguments, stack, common);
+    match (kind, arguments.a.path()) {
+        (Kind::RtiCapture, Some(stack)) => return photographs(arguments, stack, common),
+        (Kind::Btf, Some(folder)) => return btf(arguments, folder, common),
+        _ => {}
     }
-    if let (Kind::Btf, Some(folder)) = (kind, arguments.a.path()) {
-        return btf(arguments, folder, common);
-    }
-    arguments.images.refuse(if kind == Kind::FlatBtf { "flat BTFs" } else { "reflectances" })?;
-    if kind == Kind::FlatBtf {
+    arguments.images.refuse(if kind.is_flat_btf() { "flat BTFs" } else { "reflectances" })?;
+    if kind.is_flat_btf() {
         arguments.refuse_flags_of_reflectances("flat BTFs")?;
         let report = FlatReport::new(&arguments.a, &arguments.b)?;
         print_compared(common, Compared::FlatBtfs(report), report.table())?;
@@ -183,11 +182,8 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
 /// Opens a source or pack. Errors of inputs that can be relit name the order of their comparison.
 fn opened(input: &Input, reading: Reading) -> Result<Material, Error> {
     open_with(input, reading).map_err(|error| {
-        let can_be_relit = match input.extension().unwrap_or_default().as_str() {
-            ptm::EXTENSION | rti::EXTENSION => true,
-            "ktx2" => matches!(open_pack(input), Ok(AnyPack::Pwt(_))),
-            _ => input.path().is_some_and(is_rti_capture),
-        };
+        let can_be_relit =
+            matches!(Kind::of(input), Ok(Kind::RtiCapture | Kind::Ptm | Kind::Rti | Kind::Pack(PackKind::Pwt)));
         let text =
             format!("{error}; for relightable images, A is the folder of photographs and B the pack, .ptm or .rti");
         if can_be_relit { error.with_message(text) } else { error }

@@ -14,10 +14,12 @@ use super::steps::Steps;
 use super::{Common, Error, interrupt};
 use brdfc::encode::ErrorLimits;
 use brdfc::flatten::words::{check_sources, delta_e, missed, remarks};
-use brdfc::flatten::{FlatAsset, FlattenJob, ImageFacts, OrdinaryBtf, StackFormat, Surface, Values, run as flatten};
+use brdfc::flatten::{FlatAsset, FlattenJob, ImageFacts, StackFormat, Surface, Values, run as flatten};
+use brdfc::inspect::Kind;
 use brdfc::{FitLimits, encode::GateResult};
 use options::{asset_name, check_inputs, check_outputs, meso_options, recipe};
 use serde::Serialize;
+use std::path::Path;
 use std::time::Instant;
 
 /// Report of `--json`.
@@ -35,7 +37,10 @@ pub struct Report {
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let started = Instant::now();
-    let stack = arguments.meso.path().filter(|path| OrdinaryBtf::is_one(path));
+    let kind = Kind::of(&arguments.meso)?;
+    // The folder of a flat BTF may also hold images, and a folder without images is reported as one.
+    let is_stack = |path: &Path| kind == Kind::Btf || path.is_dir() && (kind.is_flat_btf() || kind == Kind::Folder);
+    let stack = arguments.meso.path().filter(|path| is_stack(path));
     check_inputs(arguments)?;
     let name = asset_name(arguments)?;
     let mut recipe = recipe(arguments)?;

@@ -9,6 +9,7 @@ use brdfc::Input;
 use brdfc::flatten::{
     FactoredTarget, FillMethod, FlattenRecipe, MesoOptions, Reflectance, ReliefForm, VdimRecipe, is_device,
 };
+use brdfc::inspect::Kind;
 use brdfc_terminal::words::format_number;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -91,38 +92,6 @@ pub(super) fn check_inputs(arguments: &Arguments) -> Result<(), Error> {
     refuse_stdin_twice(&inputs)
 }
 
-/// Kind of geometry, by its name; it determines which options apply.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Structure,
-    Mesh,
-    HeightMap,
-    Plane,
-    Other,
-}
-
-impl Kind {
-    fn of(geometry: Option<&Input>) -> Result<Self, Error> {
-        Ok(match geometry {
-            None => Self::Plane,
-            Some(Input::Address(_)) => Self::Structure,
-            Some(file) if ["png", "exr"].contains(&file.extension()?.as_str()) => Self::HeightMap,
-            Some(file) if ["obj", "ply"].contains(&file.extension()?.as_str()) => Self::Mesh,
-            Some(_) => Self::Other,
-        })
-    }
-
-    fn description(self) -> &'static str {
-        match self {
-            Self::Structure => "a structure (its tile is 1 x 1, its address defines the relief)",
-            Self::Mesh => "a mesh",
-            Self::HeightMap => "a height map (it is one tile)",
-            Self::Plane => "a plane",
-            Self::Other => "a file of another kind",
-        }
-    }
-}
-
 /// Resolves the surface and its materials.
 pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<MesoOptions, Error> {
     check_placement(arguments, is_stack)?;
@@ -139,16 +108,16 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
     {
         return Err(Error::usage(format!("--tile: found {}, expected a finite length above 0", format_number(tile))));
     }
-    let kind = Kind::of(geometry.as_ref())?;
+    let kind = geometry.as_ref().map(Kind::of).transpose()?;
     // Files of other kinds are refused when they are opened.
-    let known = kind != Kind::Other;
-    let (no_mesh, no_map) = (known && kind != Kind::Mesh, known && kind != Kind::HeightMap);
+    let known = matches!(kind, None | Some(Kind::Structure | Kind::Mesh | Kind::Image));
+    let (no_mesh, no_map) = (known && kind != Some(Kind::Mesh), known && kind != Some(Kind::Image));
     let flags = [
         (no_mesh && arguments.tile.is_some(), "--tile", "meshes"),
         (no_map && arguments.height_scale.is_some(), "--height-scale", "height maps"),
         (no_map && arguments.height_offset.is_some(), "--height-offset", "height maps"),
     ];
-    refuse_flags(kind.description(), &flags)?;
+    refuse_flags(kind.map_or("a plane", Kind::name), &flags)?;
     let materials = arguments.material.iter().map(|text| named_material(text)).collect();
     Ok(MesoOptions {
         geometry,

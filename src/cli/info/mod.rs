@@ -10,14 +10,17 @@ use super::{Common, Error, bandwidth, encode_lobes, environment, flatten};
 use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
 use brdfc::inspect::{
-    AnyPack as Pack, DeviceNeeds, ImportanceFacts, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts, RtiFacts,
-    STRUCTURES, SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, flat_btf_file, is_rti_capture, open,
-    open_asset, open_pack, open_ptm, open_rti, opened, ptm, rti, rti_capture, split_query, surface,
+    AnyPack as Pack, DeviceNeeds, ImportanceFacts, Kind, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts,
+    RtiFacts, STRUCTURES, SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, open, open_asset, open_pack,
+    open_ptm, open_rti, opened, split_query, surface,
 };
 use brdfc::lobes::LobesFacts;
-use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
+use brdfc::{BrdfPack, Facts, Input, InputError};
 use clap::Args;
 use serde::Serialize;
+
+/// Inputs that are described, for messages.
+const ALLOWED: &str = "a BRDF, a pack, a structure, a mesh, a height map, a BTF, an RTI capture, a .ptm or a .rti";
 
 /// Describe an input: layout, sizes, symmetries, measured errors of a pack.
 ///
@@ -109,49 +112,59 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let input = &arguments.input;
     let reading = checked(arguments.reading, &[input])?;
     if arguments.files {
-        let file = input.path().map(flat_btf_file).transpose()?.flatten();
-        return files::run(&file.map_or_else(|| input.clone(), Input::File), common);
+        return files::run(input, common);
     }
-    if let Some(facts) = relightable(input)? {
-        let report = Report { version: 1, contents: Contents::Other(facts), devices: None };
-        return print(&json_or(common, &report, lines_of(&contents_lines(&report.contents))));
-    }
-    if let Some(file) = input.path().map(flat_btf_file).transpose()?.flatten() {
-        let (_, asset) = open_asset(&file)?;
-        if common.json {
-            return print_json(&asset);
+    let kind = Kind::of(input)?;
+    let contents = match (kind, input.path()) {
+        (Kind::Mesh | Kind::Image | Kind::Btf, _) => return surface(input, common),
+        (Kind::Structure, _) if is_structure(input) => return surface(input, common),
+        (Kind::RtiCapture, Some(path)) => Contents::Other(Other::RtiCapture(RtiCapture::open(path)?.facts())),
+        (Kind::Ptm, _) => Contents::Other(Other::Ptm(PtmFacts::new(&open_ptm(input)?))),
+        (Kind::Rti, _) => Contents::Other(Other::Rti(RtiFacts::new(&open_rti(input)?))),
+        (kind, _) if kind.is_flat_btf() => {
+            let (_, asset) = open_asset(input)?;
+            if common.json {
+                return print_json(&asset);
+            }
+            let needs = files::device_needs(input)?;
+            return print(&(flatten::text(&asset, &[], None) + &lines_of(&[("devices", needs.summary())])));
         }
-        let needs = files::device_needs(&Input::File(file))?;
-        return print(&(flatten::text(&asset, &[], None) + &lines_of(&[("devices", needs.summary())])));
-    }
-    let is_pack = input.extension()? == "ktx2";
-    let contents = match if is_pack { Some(open_pack(input)?) } else { None } {
-        Some(Pack::Bandwidth(map)) => return bandwidth::info(&map, common),
-        Some(Pack::Importance(pack)) => Some(Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack)))),
-        Some(Pack::Environment(pack)) => Some(Contents::Other(Other::Environment(EnvironmentFacts::new(&pack)))),
-        Some(Pack::Lobes(pack)) => Some(Contents::Other(Other::Lobes(LobesFacts::new(&pack)))),
-        Some(Pack::Pwt(pack)) => Some(Contents::Other(Other::PwtPack(PwtFacts::new(&pack)))),
-        Some(pack) => BrdfPack::try_from(pack).ok().map(|pack| reflectance(opened(&pack, None))),
-        None => None,
-    };
-    if contents.is_none()
-        && let Some(facts) = surface(input)?
-    {
-        let text = lines_of(&surface::summary(&facts));
-        return print(&json_or(common, &SurfaceReport { version: 1, facts }, text));
-    }
-    let contents = match contents {
-        Some(contents) => contents,
-        None => {
+        (kind, _) if kind.is_ktx2() => match open_pack(input)? {
+            Pack::Bandwidth(map) => return bandwidth::info(&map, common),
+            Pack::Importance(pack) => Contents::Other(Other::ImportancePack(ImportanceFacts::new(&pack))),
+            Pack::Environment(pack) => Contents::Other(Other::Environment(EnvironmentFacts::new(&pack))),
+            Pack::Lobes(pack) => Contents::Other(Other::Lobes(LobesFacts::new(&pack))),
+            Pack::Pwt(pack) => Contents::Other(Other::PwtPack(PwtFacts::new(&pack))),
+            pack => match BrdfPack::try_from(pack) {
+                Ok(pack) => reflectance(opened(&pack, None)),
+                Err(kind) => return Err(Kind::Pack(kind).refused(input, ALLOWED).into()),
+            },
+        },
+        (Kind::Model | Kind::Structure | Kind::Table | Kind::Scan, _) => {
             let opened = open(input, reading).map_err(with_structures)?;
             note_gaps(common, input, opened.source.as_ref());
             reflectance(opened)
         }
+        _ => return Err(kind.refused(input, ALLOWED).into()),
     };
-    let devices = if is_pack { Some(files::device_needs(input)?) } else { None };
+    let devices = if kind.is_ktx2() { Some(files::device_needs(input)?) } else { None };
     let mut lines = contents_lines(&contents);
     lines.extend(devices.as_ref().map(|needs| ("devices", needs.summary())));
     print(&json_or(common, &Report { version: 1, contents, devices }, lines_of(&lines)))
+}
+
+/// Describes an input of 'brdfc flatten'.
+fn surface(input: &Input, common: Common) -> Result<(), Error> {
+    let facts = describe_surface(input)?;
+    let text = lines_of(&surface::summary(&facts));
+    print(&json_or(common, &SurfaceReport { version: 1, facts }, text))
+}
+
+/// Returns true for the address of a structure that exists.
+fn is_structure(input: &Input) -> bool {
+    let name =
+        input.address().map_or("", |address| split_query(address.strip_prefix(SYNTH_PREFIX).unwrap_or(address)).0);
+    STRUCTURES.iter().any(|info| info.name == name)
 }
 
 /// Formats names and values as lines with aligned values.
@@ -163,33 +176,6 @@ pub(super) fn lines_of(lines: &[(&'static str, String)]) -> String {
 fn reflectance(opened: Opened) -> Contents {
     let (symmetry, grey) = (opened.source.symmetry(), opened.source.is_grey());
     Contents::Reflectance { facts: opened.facts, symmetry, grey }
-}
-
-/// Describes measurements of one view under many lights: RTI captures and polynomial texture maps.
-fn relightable(input: &Input) -> Result<Option<Other>, InputError> {
-    if let Some(path) = input.path().filter(|path| is_rti_capture(path) && matches!(flat_btf_file(path), Ok(None))) {
-        return Ok(Some(Other::RtiCapture(RtiCapture::open(path)?.facts())));
-    }
-    match input.extension()?.as_str() {
-        ptm::EXTENSION => Ok(Some(Other::Ptm(PtmFacts::new(&open_ptm(input)?)))),
-        rti::EXTENSION => Ok(Some(Other::Rti(RtiFacts::new(&open_rti(input)?)))),
-        rti_capture::EXTENSION if input.is_stdin() => {
-            let path = "the path of the list, because the images are in its folder";
-            let error = FormatError::whole("input", "the lights of an RTI capture", path);
-            Err(InputError::Format { name: input.to_string(), error })
-        }
-        _ => Ok(None),
-    }
-}
-
-/// Describes inputs of 'brdfc flatten'; returns `None` for models and BRDFs.
-fn surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
-    if let Some(text) = input.address().and_then(|address| address.strip_prefix(SYNTH_PREFIX))
-        && !STRUCTURES.iter().any(|info| info.name == split_query(text).0)
-    {
-        return Ok(None);
-    }
-    describe_surface(input)
 }
 
 /// Adds structures to the error for an unknown model, and surfaces to the error for an unknown extension.

@@ -1,12 +1,12 @@
 //! Assets that cover a whole scene: a flat BTF or the pack of an RTI capture, given directly or by a manifest.
 
 use super::arguments::Arguments;
+use super::lobes;
 use super::materials::{Subject, pack_flag};
-use super::{flat, lobes};
 use crate::reading::first_flag;
 use crate::{Error, output};
 use brdfc::Input;
-use brdfc::inspect::{AnyPack as Pack, flat_btf_file, is_rti_capture, open_pack};
+use brdfc::inspect::{AnyPack as Pack, Kind, open_pack};
 use brdfc::lobes::LobesPack;
 use brdfc::render::PwtPack;
 use brdfc::scene::read_manifest;
@@ -32,18 +32,18 @@ pub(super) enum AssetKind {
 
 /// Opens the asset; `None` if the input is a BRDF under point lights.
 pub(super) fn asset(arguments: &Arguments) -> Result<Option<Asset>, Error> {
-    let (input, subject) = match arguments.input.extension()?.as_str() {
-        "toml" => match of_manifest(arguments)? {
+    let (input, subject) = match Kind::of(&arguments.input)? {
+        Kind::Manifest => match of_manifest(arguments)? {
             Some(found) => found,
             None => return Ok(None),
         },
         _ => (arguments.input.clone(), Subject::Pack),
     };
     let named_by_manifest = subject.manifest().is_some();
-    let kind = match input.extension()?.as_str() {
-        _ if is_unpacked_capture(&input) => return Err(not_packed(&input)),
-        _ if flat::is_flat(&input) => AssetKind::Flat,
-        "ktx2" => match open_pack(&input) {
+    let kind = match Kind::of(&input)? {
+        Kind::RtiCapture => return Err(not_packed(&input)),
+        kind if kind.is_flat_btf() => AssetKind::Flat,
+        kind if kind.is_ktx2() => match open_pack(&input) {
             Ok(Pack::Pwt(pack)) => AssetKind::Pwt(Box::new(pack)),
             Ok(Pack::Lobes(pack)) if !named_by_manifest => AssetKind::Lobes(Some(Box::new(pack))),
             Ok(other) if named_by_manifest => {
@@ -81,11 +81,6 @@ fn of_manifest(arguments: &Arguments) -> Result<Option<(Input, Subject)>, Error>
 fn no_asset(input: &Input, found: &str) -> Error {
     let allowed = "a flat BTF, or the pack of an RTI capture";
     Error::input(format!("{input}: render.asset: {found}expected {allowed}"))
-}
-
-/// Returns true if the folder contains an RTI capture and no flat BTF.
-fn is_unpacked_capture(input: &Input) -> bool {
-    input.path().is_some_and(|path| is_rti_capture(path) && matches!(flat_btf_file(path), Ok(None)))
 }
 
 fn not_packed(input: &Input) -> Error {

@@ -8,7 +8,7 @@ use crate::reading::{checked, first_flag};
 use crate::{Common, Error};
 use brdfc::encode::encode;
 use brdfc::encode::encoders::wavelet::recipe::Target;
-use brdfc::inspect::{AnyPack as Pack, PackKind, open};
+use brdfc::inspect::{AnyPack as Pack, Kind, PackKind, open};
 use brdfc::lobes::LobesPack;
 use brdfc::render::{Material, open_brdf_pack};
 use brdfc::scene::{EnvironmentJob, Job, LOBES, Manifest, PackFolder, Use, part_name, plan, read_manifest};
@@ -112,8 +112,8 @@ impl Prepared {
 /// Reads the manifest, if the input is one, and checks which flags apply to the input.
 pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
     let input = &arguments.input;
-    let kind = input.extension()?;
-    let (is_scene, is_pack) = (kind == "toml", kind == "ktx2");
+    let kind = Kind::of(input)?;
+    let (is_scene, is_pack) = (kind == Kind::Manifest, kind.is_ktx2());
     let of_encoded = "inputs that are encoded (a scene sets them in its manifest)";
     let option = arguments.options.first().map(pack_flag);
     let read = first_flag(arguments.reading);
@@ -126,8 +126,8 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
         (is_pack && arguments.table && arguments.source.is_none(), "--table", "packs with a --source"),
     ];
     refuse_flags(input, &flags)?;
-    match kind.as_str() {
-        "toml" => {
+    match kind {
+        Kind::Manifest => {
             let Some(path) = input.path().map(Path::to_owned) else {
                 let text = format!("{input}: manifests are not read from stdin; name the file");
                 return Err(Error::usage(text));
@@ -149,7 +149,7 @@ pub(super) fn subject(arguments: &Arguments) -> Result<Subject, Error> {
             let packs = pack_folder(arguments)?.map(Box::new);
             Ok(Subject::Scene { path, text, manifest: Box::new(manifest), jobs, environment, packs })
         }
-        "ktx2" => Ok(Subject::Pack),
+        _ if is_pack => Ok(Subject::Pack),
         _ => {
             let (recipe, fit) = arguments.options.request().map_err(pack_flags)?;
             if fit != FitLimits::default() {

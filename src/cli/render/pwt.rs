@@ -6,7 +6,7 @@ use super::materials::Subject;
 use super::{gpu, outputs, scene};
 use crate::output::{note, remark};
 use crate::{Common, Error};
-use brdfc::inspect::is_rti_capture;
+use brdfc::inspect::Kind;
 use brdfc::relight::CodeValues;
 use brdfc::render::{
     Builtin, DistantPhotographs, FrameBlock, LinearImage, Photograph, PwtDecoder, PwtMaterial, PwtPack, Verification,
@@ -76,14 +76,9 @@ pub(super) fn verification(
 
 /// Opens the photographs to compare a pack with.
 fn open_capture(source: &Input, size: [usize; 2], codes: Option<CodeValues>) -> Result<DistantPhotographs, Error> {
-    let Some(path) = source.path() else {
-        let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
-        return Err(Error::usage(text));
+    let (Kind::RtiCapture, Some(path)) = (Kind::of(source)?, source.path()) else {
+        return Err(Error::wrong_usage("--source", source, "the folder or the .lp of an RTI capture"));
     };
-    if !is_rti_capture(path) {
-        let text = format!("--source: found {source}, expected the folder or the .lp of an RTI capture");
-        return Err(Error::usage(text));
-    }
     let photographs = DistantPhotographs::open(path, codes)?;
     let found = photographs.capture().size();
     if found != size {

@@ -12,6 +12,7 @@ mod flatten;
 mod generate;
 mod help;
 mod info;
+mod kinds;
 mod many_machines;
 mod names;
 mod needs;

@@ -14,13 +14,13 @@ fn unit([polar, azimuth]: [f64; 2]) -> [f32; 3] {
 }
 
 /// The pole and rings of six directions.
-fn ring(polar: &[f64]) -> Vec<[f64; 2]> {
+pub(super) fn ring(polar: &[f64]) -> Vec<[f64; 2]> {
     let of_ring = |polar: &f64| (0..6).map(|k| [*polar, 60.0 * f64::from(k)]).collect::<Vec<_>>();
     [[0.0, 0.0]].into_iter().chain(polar.iter().flat_map(of_ring)).collect()
 }
 
 /// A wavy Lambertian tile, darker at the left for views from there, as a folder of images.
-fn btf(folder: &Folder, name: &str, views: &[[f64; 2]]) {
+pub(super) fn btf(folder: &Folder, name: &str, views: &[[f64; 2]]) {
     let lights = ring(&[30.0, 60.0]);
     for (number, (view, light)) in
         views.iter().flat_map(|view| lights.iter().map(move |light| (view, light))).enumerate()

@@ -8,10 +8,10 @@ use brdfc_readers::meso::TriangleMesh;
 use brdfc_source::btf_stack::survey;
 use brdfc_source::meso::{HeightMap, MesoInput, open_meso};
 use brdfc_source::photograph::Common;
-use brdfc_source::ubo_btf::{UboBtfFile, is_ubo_btf};
-use brdfc_source::{Input, InputError};
+use brdfc_source::ubo_btf::UboBtfFile;
+use brdfc_source::{Input, InputError, Kind};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Kind and properties of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -106,40 +106,23 @@ pub struct MeshFacts {
     pub problem: Option<String>,
 }
 
-/// Describes a structure, a mesh, a height map, or an ordinary BTF. Returns `None` if the name of the input is of another kind.
+/// Describes a structure, a mesh, a height map, or an ordinary BTF.
 ///
 /// # Errors
-/// Returns an error if a file cannot be read or is invalid, or if an address is invalid. A mesh that does not close is no error.
-pub fn describe_surface(input: &Input) -> Result<Option<SurfaceFacts>, Error> {
+/// Returns an error if a file cannot be read or is invalid, if an address is invalid, and for inputs of other kinds. A mesh that does
+/// not close is no error.
+pub fn describe_surface(input: &Input) -> Result<SurfaceFacts, Error> {
     if let Some(structure) = structure(input)? {
-        return Ok(Some(describe_structure(&structure)));
+        return Ok(describe_structure(&structure));
     }
-    if let Some(folder) = input.path().filter(|path| path.is_dir()) {
-        return match (describe_images(folder), pack_in(folder)) {
-            (Err(_), Some(pack)) => {
-                let (folder, pack) = (folder.display(), pack.display());
-                let remedy = format!("name a pack, such as {pack}, or use 'brdfc report' for the folder of a build");
-                Err(Error::input(format!("{folder}: a folder of packs; {remedy}")))
-            }
-            (described, _) => Ok(Some(described?)),
-        };
-    }
-    if let Some(file) = input.path().filter(|path| is_ubo_btf(path)) {
-        return Ok(Some(describe_ubo_btf(file)?));
-    }
-    Ok(match input.extension()?.as_str() {
-        "obj" | "ply" | "png" | "exr" => Some(match open_meso(input)? {
+    match (Kind::of(input)?, input.path()) {
+        (Kind::Btf, Some(folder)) if folder.is_dir() => Ok(describe_images(folder)?),
+        (Kind::Btf, Some(file)) => Ok(describe_ubo_btf(file)?),
+        _ => Ok(match open_meso(input)? {
             MesoInput::Mesh(mesh) => SurfaceFacts::Mesh(describe_mesh(&mesh)),
             MesoInput::Heights(map) => describe_heights(&map),
         }),
-        _ => None,
-    })
-}
-
-/// The first pack in a folder, if there is one.
-fn pack_in(folder: &Path) -> Option<PathBuf> {
-    let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
-    paths.filter(|path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2"))).min()
+    }
 }
 
 fn describe_structure(structure: &Structure) -> SurfaceFacts {

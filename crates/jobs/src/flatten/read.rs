@@ -3,22 +3,22 @@
 use super::asset::{AssetFile, FlatAsset};
 use brdfc_formats::FormatError;
 use brdfc_formats::flat_btf::FlatBtfFile;
-use brdfc_source::InputError;
-use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
+use brdfc_source::flat_btf::flat_btf_file;
 use brdfc_source::json::json_problem;
-use std::path::Path;
+use brdfc_source::read::MAX_FILE_BYTES;
+use brdfc_source::{Input, InputError};
 
 /// Reads a flat BTF from its file, or from a folder with one such file, with its report.
 ///
 /// # Errors
-/// Returns the errors of [`open_flat_btf`], and an error if the report is missing or damaged.
-pub fn open_asset(path: &Path) -> Result<(FlatBtfFile, FlatAsset), InputError> {
-    let file = open_flat_btf(path)?;
-    let place = flat_btf_file(path)?.unwrap_or_else(|| path.to_owned());
-    let about = read_report(&file).map_err(|error| InputError::format(&place, error))?;
-    let bytes =
-        std::fs::metadata(&place).map_err(|error| InputError::Io { name: place.display().to_string(), error })?.len();
-    let asset = FlatAsset::new(about, &file, bytes);
+/// Returns the errors of [`flat_btf_file`] and of reading the file, and an error if the report is missing or damaged.
+pub fn open_asset(input: impl Into<Input>) -> Result<(FlatBtfFile, FlatAsset), InputError> {
+    let place = flat_btf_file(&input.into())?;
+    let wrong = |error| InputError::Format { name: place.to_string(), error };
+    let bytes = place.read(MAX_FILE_BYTES)?;
+    let file = FlatBtfFile::from_bytes(&bytes).map_err(wrong)?;
+    let about = read_report(&file).map_err(wrong)?;
+    let asset = FlatAsset::new(about, &file, bytes.len() as u64);
     Ok((file, asset))
 }
 

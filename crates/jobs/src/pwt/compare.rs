@@ -10,9 +10,9 @@ use brdfc_pwt::ptm::image_rows;
 use brdfc_readers::viewer_file::ViewerFile;
 use brdfc_source::pack::open_pack;
 use brdfc_source::photograph::CodeValues;
-use brdfc_source::rti_capture::{RtiCapture, is_rti_capture};
+use brdfc_source::rti_capture::RtiCapture;
 use brdfc_source::viewer_file::open_viewer_file;
-use brdfc_source::{Input, InputError};
+use brdfc_source::{Input, InputError, Kind};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::path::Path;
@@ -96,8 +96,9 @@ pub fn compare_photographs(
 
 impl Compared {
     fn open(input: &Input, reference: &RtiCapture, codes: Option<CodeValues>) -> Result<Self, Error> {
-        let shown = match input.extension()?.as_str() {
-            "ktx2" => match open_pack(input)? {
+        let kind = Kind::of(input)?;
+        let shown = match (kind, input.path()) {
+            (kind, _) if kind.is_ktx2() => match open_pack(input)? {
                 Pack::Pwt(pack) if pack.header().view_count() > 1 => {
                     let found = pack.header().view_count().to_string();
                     return Err(refused(input, "views", &found, "1, like the reference"));
@@ -105,13 +106,8 @@ impl Compared {
                 Pack::Pwt(pack) => Self::Pack(Box::new(PwtDecoder::new(pack))),
                 other => return Err(refused(input, "pack", other.kind().summary(), ALLOWED)),
             },
-            _ => match (open_viewer_file(input)?, input.path().filter(|path| is_rti_capture(path))) {
-                (Some(map), _) => Self::Map(map),
-                (None, Some(path)) => Self::Stack(Box::new(DistantPhotographs::open(path, codes)?)),
-                (None, None) => {
-                    return Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")));
-                }
-            },
+            (Kind::RtiCapture, Some(path)) => Self::Stack(Box::new(DistantPhotographs::open(path, codes)?)),
+            _ => Self::Map(open_viewer_file(input)?.ok_or_else(|| kind.refused(input, ALLOWED))?),
         };
         let found = match &shown {
             Self::Pack(decoder) => decoder.pack().header().size.map(|side| side as usize),

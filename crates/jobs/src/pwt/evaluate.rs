@@ -1,11 +1,12 @@
 //! Values of polynomial wavelet trees and flat BTFs at texture coordinates.
 
-use brdfc_formats::Pack;
 use brdfc_formats::pwt::PwtDecoder;
+use brdfc_formats::{Pack, PackKind};
 use brdfc_readers::scan_csv::TexelQuery;
 use brdfc_render::flat::FlatMaterial;
-use brdfc_source::flat_btf::{flat_btf_file, open_flat_btf};
-use brdfc_source::{Input, InputError};
+use brdfc_source::flat_btf::open_flat_btf;
+use brdfc_source::pack::open_pack;
+use brdfc_source::{Input, InputError, Kind};
 use rayon::prelude::*;
 
 /// A material with values at texture coordinates.
@@ -23,14 +24,12 @@ impl Relightable {
     /// # Errors
     /// Returns an error if the input cannot be read or is invalid.
     pub fn open(input: &Input) -> Result<Option<Self>, InputError> {
-        if let Some(material) = open_flat_material(input)? {
-            return Ok(Some(Self::Flat(material)));
-        }
-        if input.extension()? != "ktx2" {
-            return Ok(None);
-        }
-        match brdfc_source::pack::open_pack(input)? {
-            Pack::Pwt(pack) => Ok(Some(Self::Pack(PwtDecoder::new(pack)))),
+        match Kind::of(input)? {
+            kind if kind.is_flat_btf() => Ok(Some(Self::Flat(open_flat_material(input)?))),
+            Kind::Pack(PackKind::Pwt) => match open_pack(input)? {
+                Pack::Pwt(pack) => Ok(Some(Self::Pack(PwtDecoder::new(pack)))),
+                _ => Ok(None),
+            },
             _ => Ok(None),
         }
     }
@@ -87,16 +86,11 @@ impl Relightable {
     }
 }
 
-/// Reads a flat BTF. Returns `None` if the input is not a flat BTF.
+/// Reads a flat BTF.
 ///
 /// # Errors
-/// Returns an error if the flat BTF cannot be read or is invalid.
-pub fn open_flat_material(input: &Input) -> Result<Option<FlatMaterial>, InputError> {
+/// Returns an error if the input cannot be read or is not a flat BTF.
+pub fn open_flat_material(input: &Input) -> Result<FlatMaterial, InputError> {
     let of_file = |error| InputError::Format { name: input.to_string(), error };
-    let Some(path) = input.path() else { return Ok(None) };
-    if flat_btf_file(path)?.is_none() {
-        return Ok(None);
-    }
-    let file = open_flat_btf(path)?;
-    Ok(Some(FlatMaterial::new(file.decoder, 1).map_err(of_file)?))
+    FlatMaterial::new(open_flat_btf(input)?.decoder, 1).map_err(of_file)
 }

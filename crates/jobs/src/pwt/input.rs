@@ -16,13 +16,12 @@ use brdfc_pwt::near::check_count;
 use brdfc_pwt::ptm::{samples_of, spread_lights};
 use brdfc_readers::pixels::Pixels;
 use brdfc_readers::viewer_file::ViewerFile;
-use brdfc_source::btf_stack::has_images;
-use brdfc_source::flat_btf::{flat_btf_file, flat_view as decoded_view, open_flat_btf};
+use brdfc_source::flat_btf::{flat_view as decoded_view, open_flat_btf};
 use brdfc_source::ordinary_btf::OrdinaryBtf;
 use brdfc_source::photograph::CodeValues;
-use brdfc_source::rti_capture::{RtiCapture, format_range, is_rti_capture};
-use brdfc_source::viewer_file::{self, open_viewer_file};
-use brdfc_source::{Input, InputError};
+use brdfc_source::rti_capture::{RtiCapture, format_range};
+use brdfc_source::viewer_file::open_viewer_file;
+use brdfc_source::{Input, InputError, Kind};
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -73,20 +72,36 @@ impl LightInput {
     /// Returns an error if the input cannot be read or is of another kind, the view does not exist, or the photographs exceed the
     /// limit.
     pub fn open_as(input: &Input, view: Option<ViewChoice>, codes: Option<CodeValues>) -> Result<Self, Error> {
-        let has_photographs = |path: &Path| path.is_dir() || is_rti_capture(path);
-        if codes.is_some() && !input.path().is_some_and(has_photographs) {
+        let kind = Kind::of(input)?;
+        let is_folder = input.path().is_some_and(Path::is_dir);
+        if codes.is_some() && !(kind == Kind::RtiCapture || kind == Kind::Btf && is_folder) {
             return Err(Error::usage("--photographs applies only to RTI captures and folders of BTF images"));
         }
-        let extension = input.extension()?;
-        if view.is_some() && (extension == "ktx2" || viewer_file::EXTENSIONS.contains(&extension.as_str())) {
-            return Err(Error::usage("--view does not apply to packs and files of viewers, only to BTFs"));
+        if view.is_some() && !(kind == Kind::Btf || kind.is_flat_btf()) {
+            return Err(Error::usage(format!("--view does not apply to {}, only to BTFs", kind.name())));
         }
-        if let Some(map) = open_viewer_file(input)? {
-            check_spread(input, map.size(), lights_of(map.as_ref()))?;
-            return Ok(Self::Map(map));
-        }
-        if extension == "ktx2" {
-            return match brdfc_source::pack::open_pack(input)? {
+        let view = view.unwrap_or(ViewChoice::One(0));
+        match (kind, input.path()) {
+            (Kind::RtiCapture, Some(path)) => {
+                let (samples, about) = photographs(path, codes)?;
+                Ok(Self::Photographs(samples, about))
+            }
+            (Kind::Btf, Some(path)) => {
+                let btf = OrdinaryBtf::open_as(path, codes)?;
+                let samples = match view {
+                    ViewChoice::One(view) => one_view(path, &btf, view)?,
+                    ViewChoice::All => all_views(path, &btf)?,
+                };
+                let notes = btf.notes().iter().cloned().chain(exposures(&samples).facts().notes()).collect();
+                let about = About { colour: btf.colour().map(str::to_owned), notes };
+                Ok(Self::Photographs(samples, about))
+            }
+            (_, Some(path)) if kind.is_flat_btf() => {
+                let samples = flat_view(path, view)?;
+                let about = About { notes: exposures(&samples).facts().notes(), ..About::default() };
+                Ok(Self::Photographs(samples, about))
+            }
+            _ if kind.is_ktx2() => match brdfc_source::pack::open_pack(input)? {
                 Pack::Pwt(pack) if pack.header().view_count() > 1 => Err(refused(
                     input,
                     "views",
@@ -99,48 +114,13 @@ impl LightInput {
                     Ok(Self::Pack(pack))
                 }
                 other => Err(refused(input, "pack", other.kind().summary(), "a polynomial wavelet tree")),
-            };
-        }
-        let Some(path) = input.path() else {
-            return Err(Error::input(format!(
-                "{input}: not a file; expected an RTI capture, a BTF, a .ptm, a .rti or a pack"
-            )));
-        };
-        if is_rti_capture(path) {
-            if view.is_some() {
-                return Err(Error::usage("--view does not apply to RTI captures, only to BTFs"));
+            },
+            _ => {
+                let map = open_viewer_file(input)?.ok_or_else(|| kind.refused(input, ALLOWED))?;
+                check_spread(input, map.size(), lights_of(map.as_ref()))?;
+                Ok(Self::Map(map))
             }
-            let (samples, about) = photographs(path, codes)?;
-            return Ok(Self::Photographs(samples, about));
         }
-        if path.is_file() && extension != "json" && !OrdinaryBtf::is_one(path) {
-            if extension.is_empty() {
-                return Err(Error::input(format!("{input}: no extension; expected {ALLOWED}")));
-            }
-            return Err(refused(input, "extension", &format!(".{extension}"), ALLOWED));
-        }
-        let view = view.unwrap_or(ViewChoice::One(0));
-        // The folder of a flat BTF may also hold renderings.
-        if flat_btf_file(path)?.is_some() {
-            if codes.is_some() {
-                return Err(Error::usage("--photographs does not apply to flat BTFs"));
-            }
-            let samples = flat_view(path, view)?;
-            let about = About { notes: exposures(&samples).facts().notes(), ..About::default() };
-            return Ok(Self::Photographs(samples, about));
-        }
-        if OrdinaryBtf::is_one(path) && (path.is_file() || has_images(path)) {
-            let btf = OrdinaryBtf::open_as(path, codes)?;
-            let samples = match view {
-                ViewChoice::One(view) => one_view(path, &btf, view)?,
-                ViewChoice::All => all_views(path, &btf)?,
-            };
-            let notes = btf.notes().iter().cloned().chain(exposures(&samples).facts().notes()).collect();
-            let about = About { colour: btf.colour().map(str::to_owned), notes };
-            return Ok(Self::Photographs(samples, about));
-        }
-        std::fs::metadata(path).map_err(|error| InputError::Io { name: input.to_string(), error })?;
-        Err(Error::input(format!("{input}: unknown kind of input; expected {ALLOWED}")))
     }
 
     /// Terms of the functions of a file of an RTI viewer.

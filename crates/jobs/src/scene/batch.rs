@@ -7,7 +7,8 @@ use crate::error::{Error, ErrorKind};
 use crate::file_name::folded;
 use brdfc_core::address;
 use brdfc_readers::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
-use brdfc_source::open::{FORMATS, files_but_for};
+use brdfc_source::Kind;
+use brdfc_source::open::files_but_for;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
@@ -69,18 +70,12 @@ pub fn address_of(source: &OsStr) -> Option<&str> {
     source.to_str().filter(|text| address::is_synth(text))
 }
 
-/// Returns true if a file has the extension of a reflectance format.
-pub fn is_material(path: &Path) -> bool {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    extension.is_some_and(|extension| FORMATS.iter().any(|format| format.kind.extensions.contains(&extension.as_str())))
-}
-
 /// Returns true if a file is a measured material, which excludes packs, or a dangling link to one. A .csv file counts
 /// if it has columns of values.
 fn is_measured(path: &Path) -> bool {
-    let called = |name: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(name));
+    let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     // Regular files and dangling links only: a read from a pipe may block forever.
-    (path.is_file() || is_lost(path)) && is_material(path) && !called(PACKS) && (!called("csv") || has_values(path))
+    (path.is_file() || is_lost(path)) && Kind::of_name(path).is_brdf() && (!is_csv || has_values(path))
 }
 
 /// Returns true if the first bytes name a column that only scans have, or cannot be read: the reader reports the
@@ -134,8 +129,7 @@ fn matching(pattern: &Named, label: impl Display) -> Result<Vec<OsString>, Error
 
 /// Returns true if a file is a pack in the output folder of a build. Patterns skip such packs.
 fn is_built(path: &Path) -> bool {
-    let is_pack = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PACKS));
-    is_pack && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
+    Kind::of_name(path).is_ktx2() && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
 }
 
 /// Creates a manifest of these sources, each with one use without limits. The names of the materials come from the

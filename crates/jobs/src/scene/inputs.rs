@@ -1,10 +1,11 @@
 //! Inputs of a scene: a manifest, or a list of materials.
 
-use super::batch::{address_of, is_material};
+use super::batch::address_of;
 use super::manifest::Manifest;
 use super::patterns::Named;
 use crate::error::Error;
 use crate::write::or_here;
+use brdfc_source::Kind;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -23,9 +24,9 @@ pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
     }
     let is_manifest = |input: &OsString| {
         let path = Path::new(input);
-        let named = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        let is_pattern = Named::new("", input).is_pattern();
-        named || alone && address_of(input).is_none() && !path.is_dir() && !is_pattern && !is_material(path)
+        let kind = Kind::of_name(path);
+        let is_material = kind.is_brdf() || kind.is_ktx2() || address_of(input).is_some();
+        kind == Kind::Manifest || alone && !is_material && !path.is_dir() && !Named::new("", input).is_pattern()
     };
     match inputs.iter().find(|input| is_manifest(input)) {
         Some(_) if !alone => {

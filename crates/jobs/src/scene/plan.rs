@@ -14,7 +14,7 @@ use crate::error::Error;
 use brdfc_core::Smooth;
 use brdfc_formats::wavelet::DEFAULT_DISTANCE_SCALE;
 use brdfc_lobes::LobesRecipe;
-use brdfc_source::scan::is_scan;
+use brdfc_source::Kind;
 use brdfc_source::{Input, Reading};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -133,7 +133,7 @@ impl Plan {
 }
 
 /// File name of the build report in the output folder.
-pub const REPORT: &str = "report.json";
+pub const REPORT: &str = brdfc_source::kind::BUILD_REPORT;
 
 /// Name of the file that lists the parts of a material.
 pub fn list_name(material: &str) -> String {
@@ -203,7 +203,10 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
         };
         let mut reading = material.reading.over(defaults.reading);
         // Scans have no radius. A material's own one is an error.
-        if material.reading.smooth.is_none() && matches!(reading.smooth, Some(Smooth::Radius(_))) && is_scan(&input)? {
+        if material.reading.smooth.is_none()
+            && matches!(reading.smooth, Some(Smooth::Radius(_)))
+            && Kind::of(&input)? == Kind::Scan
+        {
             reading.smooth = None;
         }
         let uses = uses.remove(name.as_str()).unwrap_or_default();

@@ -4,10 +4,9 @@ use super::item::{Drawn, ViewItem};
 use super::photographs::Photographs;
 use crate::encode::EncodeError;
 use crate::error::Error;
-use crate::report::page::{Reports, is_flat_btf, source_name, source_of};
+use crate::report::page::{Reports, source_name, source_of};
 use crate::scene::build::notes;
-use crate::scene::plan::REPORT;
-use crate::write::or_here;
+use crate::write::build_folder;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
@@ -17,8 +16,7 @@ use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::open::open;
 use brdfc_source::pack::open_pack;
 use brdfc_source::photograph::CodeValues;
-use brdfc_source::rti_capture::is_rti_capture;
-use brdfc_source::{Input, InputError};
+use brdfc_source::{Input, InputError, Kind};
 use brdfc_table::encode::encode;
 use brdfc_table::recipe::{Size, TableRecipe};
 use std::path::Path;
@@ -77,9 +75,9 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
     let (mut capture, mut pack) = (None, None);
     for input in inputs {
         progress.check()?;
-        let opened = match input.path().and_then(build_folder) {
-            Some(folder) => of_build(folder, options, progress)?,
-            None => vec![of_input(input, options, progress)?],
+        let opened = match (Kind::of(input)?, input.path()) {
+            (Kind::Build, Some(path)) => of_build(build_folder(path), options, progress)?,
+            _ => vec![of_input(input, options, progress)?],
         };
         for mut item in opened {
             match item.drawn {
@@ -104,19 +102,6 @@ pub fn open_items(inputs: &[Input], options: ViewOptions, progress: &dyn Progres
     Ok(items)
 }
 
-/// The folder of a build, from its own path or the path of its report.
-fn build_folder(path: &Path) -> Option<&Path> {
-    if path.file_name().is_some_and(|name| name == REPORT) {
-        return path.parent().map(or_here);
-    }
-    path.join(REPORT).is_file().then_some(path)
-}
-
-fn has_packs(folder: &Path) -> bool {
-    let is_pack = |entry: std::fs::DirEntry| entry.path().extension().is_some_and(|extension| extension == "ktx2");
-    std::fs::read_dir(folder).is_ok_and(|entries| entries.flatten().any(is_pack))
-}
-
 /// Makes a name unique among the items.
 fn unique_name(items: &[ViewItem], name: String) -> String {
     let is_taken = |name: &str| items.iter().any(|item| item.name == name);
@@ -129,23 +114,22 @@ fn unique_name(items: &[ViewItem], name: String) -> String {
 
 fn of_input(input: &Input, options: ViewOptions, progress: &dyn Progress) -> Result<ViewItem, Error> {
     let name = input.short_name();
-    if let Some(path) = input.path() {
-        if is_flat_btf(path) {
-            return of_flat_btf(name, path);
-        }
-        if is_rti_capture(path) {
+    match (Kind::of(input)?, input.path()) {
+        (Kind::RtiCapture, Some(path)) => {
             let them = Photographs::of_capture(path, options.codes, options.photograph_bytes, progress)?;
-            return Ok(of_photographs(name, them));
+            Ok(of_photographs(name, them))
         }
-        if path.is_dir() {
-            let found = if has_packs(path) { "a folder of packs without the report of a build" } else { "a folder" };
-            return Err(refused(&input.to_string(), found, ALLOWED));
+        (kind, _) if kind.is_flat_btf() => of_flat_btf(name, input),
+        (kind, _) if kind.is_ktx2() => of_pack(name, input),
+        (kind, _) if kind.is_brdf() => {
+            let opened = open(input, None)?;
+            of_source(name, &input.to_string(), opened.source.as_ref(), progress)
         }
+        (kind, _) => Err(kind.refused(input, ALLOWED).into()),
     }
-    if input.extension()? != "ktx2" {
-        let opened = open(input, None)?;
-        return of_source(name, &input.to_string(), opened.source.as_ref(), progress);
-    }
+}
+
+fn of_pack(name: String, input: &Input) -> Result<ViewItem, Error> {
     match open_pack(input)? {
         Pack::Pwt(pack) => {
             let [width, height] = pack.header().size;
@@ -206,11 +190,11 @@ fn of_source(name: String, input: &str, source: &dyn Source, progress: &dyn Prog
     Ok(ViewItem { name, facts, drawn: Drawn::Brdf(BrdfPack::Table(table)) })
 }
 
-fn of_flat_btf(name: String, path: &Path) -> Result<ViewItem, Error> {
-    let file = open_flat_btf(path)?;
+fn of_flat_btf(name: String, input: &Input) -> Result<ViewItem, Error> {
+    let file = open_flat_btf(input)?;
     let size = file.gpu_bytes();
     // Checked before it is compressed.
-    check_bytes(&path.display().to_string(), size)?;
+    check_bytes(&input.to_string(), size)?;
     let FlatBtfFile { decoder, directions, .. } = file;
     let form = decoder.parts().reflectance.name();
     let facts = format!("flat BTF, {form}, {} on a GPU", bytes(size));

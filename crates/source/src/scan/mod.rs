@@ -20,7 +20,7 @@ pub use summary::ScanSummary;
 
 use super::error::InputError;
 use super::format::{Format, Opened};
-use super::input::{Input, InputFile, Reading};
+use super::input::{InputFile, Reading};
 use super::smooth::log_bias;
 use brdfc_core::StrayRows;
 use brdfc_core::source::{Completion, Repeats, Rounding, Saturation};
@@ -53,15 +53,6 @@ pub(crate) const fn csv_format<F: From<ScanFacts>>() -> Format<F> {
 /// Tables of ALTA.
 pub(crate) const fn alta_format<F: From<ScanFacts>>() -> Format<F> {
     Format { name: "ALTA", kind: &alta::KIND, open: open_alta }
-}
-
-/// Returns true for an input whose extension, or contents on standard input, are those of a scan.
-///
-/// # Errors
-/// Returns an error if standard input cannot be read.
-pub fn is_scan(input: &Input) -> Result<bool, InputError> {
-    let extension = input.extension()?;
-    Ok([&scan::KIND, &scan_csv::KIND, &alta::KIND].iter().any(|kind| kind.extensions.contains(&extension.as_str())))
 }
 
 fn open_text<F: From<ScanFacts>>(input: InputFile<'_>) -> Result<Opened<F>, InputError> {

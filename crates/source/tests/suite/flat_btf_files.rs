@@ -1,9 +1,10 @@
 //! Flat BTFs as files: they round-trip, and other files are rejected.
 
+use brdfc_formats::PackKind;
 use brdfc_formats::flat_btf::FlatBtfFile;
 use brdfc_formats::importance::{ImportanceHeader, ImportancePack};
-use brdfc_source::InputError;
 use brdfc_source::flat_btf::{flat_btf_file, flat_view, open_flat_btf};
+use brdfc_source::{Input, InputError, Kind};
 use brdfc_testing::codecs::flat_btf::{BASE, Factors, SMALL, base_file, factored, file, layers, materials_file};
 use std::path::Path;
 
@@ -32,8 +33,11 @@ fn files_round_trip() {
         assert_eq!(open_flat_btf(folder.path()).unwrap(), whole);
         assert_eq!(open_flat_btf(&file).unwrap(), whole);
     }
-    assert_eq!(flat_btf_file(folder.path()).unwrap(), Some(file));
-    assert_eq!(flat_btf_file(&folder.path().join("other.ktx2")).unwrap(), None);
+    assert_eq!(flat_btf_file(&folder.path().into()).unwrap(), Input::from(file));
+    assert_eq!(Kind::of(&folder.path().into()).unwrap(), Kind::Pack(PackKind::FlatBtf));
+    let other = Input::from(folder.path().join("other.ktx2"));
+    assert!(flat_btf_file(&other).is_err());
+    assert_eq!(Kind::of(&other).unwrap(), Kind::Pack(PackKind::Importance));
     let asset = whole.decoder.parts().reflectance.factors().unwrap();
     assert_eq!(flat_view(&whole, 1).unwrap(), (Some(asset.view(1)), SMALL.views));
     assert_eq!(flat_view(&whole, SMALL.views).unwrap(), (None, SMALL.views));

@@ -5,13 +5,10 @@ use super::view_link::ViewLink;
 use crate::error::Error;
 use crate::flatten::words::{errors, facts, remarks};
 use crate::flatten::{AssetFile, FlatAsset, open_asset};
-use crate::scene::plan::REPORT;
 use brdfc_core::words::bytes;
 use brdfc_render::flat::{FlatMaterial, FlatRendering, FlatRenderings, flat_renderings};
-use brdfc_source::InputError;
-use brdfc_source::flat_btf::flat_btf_file;
+use brdfc_source::{Input, InputError};
 use maud::{Markup, html};
-use std::path::Path;
 
 /// Tiles per unit of uv on the scenes: few enough to show the relief.
 const REPEAT: u32 = 4;
@@ -27,19 +24,15 @@ pub struct FlatPage {
     pub view: Option<ViewLink>,
 }
 
-/// Returns true if a path is a flat BTF and not a build: a file, or a folder that holds one and no build report.
-pub fn is_flat_btf(path: &Path) -> bool {
-    !path.join(REPORT).is_file() && !matches!(flat_btf_file(path), Ok(None))
-}
-
 impl FlatPage {
     /// Reads a flat BTF and draws it.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or is invalid.
-    pub fn open(path: &Path) -> Result<Self, Error> {
-        let (file, asset) = open_asset(path)?;
-        let material = FlatMaterial::new(file.decoder, REPEAT).map_err(|error| InputError::format(path, error))?;
+    pub fn open(input: &Input) -> Result<Self, Error> {
+        let (file, asset) = open_asset(input)?;
+        let wrong = |error| InputError::Format { name: input.to_string(), error };
+        let material = FlatMaterial::new(file.decoder, REPEAT).map_err(wrong)?;
         let renderings = flat_renderings(&material);
         Ok(Self { asset, renderings, view: None })
     }

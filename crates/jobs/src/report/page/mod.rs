@@ -16,7 +16,7 @@ mod view_link;
 pub use against::{Regression, regressions};
 pub use csv::{CSV_HEADER, FLAT_CSV_HEADER, csv, flat_csv};
 pub use evidence::{Evidence, LitBall, ThumbnailScenes, Thumbnails, evidence};
-pub use flat::{FlatPage, flat_html, is_flat_btf};
+pub use flat::{FlatPage, flat_html};
 pub use gather::{PER_PAGE, Page, PageMaterial, PageOptions, Reports, gather, source_of};
 pub use html::{html, part_html};
 pub use parts::PagePart;
