@@ -153,7 +153,7 @@ fn decoder(kind: &OsString) -> Result<PackKind, Error> {
     match Kind::of(&input)? {
         kind if kind.is_flat_btf() => Ok(open_flat_btf(input)?.decoder.parts().reflectance.kind()),
         kind if kind.is_ktx2() => Ok(open_pack(input)?.kind()),
-        kind => Err(kind.refused(&input, format!("a pack, or {}", kinds())).into()),
+        kind => Err(kind.refused(&input, kinds()).into()),
     }
 }
 

@@ -187,7 +187,8 @@ impl Kind {
             Self::Btf => "; 'brdfc flatten' makes a flat BTF of it, and 'brdfc pwt' a pack of a view or of all",
             Self::Structure | Self::Mesh => "; 'brdfc flatten' makes a flat BTF of it",
             Self::Manifest => "; 'brdfc build' makes its packs",
-            Self::Build | Self::Packs => "; name one of its packs",
+            Self::Build => "; name one of its packs, or use 'brdfc report'",
+            Self::Packs => "; name one of its packs",
             _ => "",
         }
     }

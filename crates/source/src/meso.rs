@@ -279,6 +279,6 @@ mod tests {
         let missing = open_meso(folder.path().join("none.obj")).unwrap_err();
         assert!(matches!(missing, InputError::Io { .. }));
         let no_file = open_meso(folder.path()).unwrap_err().to_string();
-        assert!(no_file.contains("found a folder, expected a file or a pipe"), "{no_file}");
+        assert!(no_file.contains("input: found a BTF, expected .obj or .ply (mesh), "), "{no_file}");
     }
 }

@@ -117,7 +117,12 @@ pub(super) fn meso_options(arguments: &Arguments, is_stack: bool) -> Result<Meso
         (no_map && arguments.height_scale.is_some(), "--height-scale", "height maps"),
         (no_map && arguments.height_offset.is_some(), "--height-offset", "height maps"),
     ];
-    refuse_flags(kind.map_or("a plane", Kind::name), &flags)?;
+    let what = match kind {
+        None => "a plane",
+        Some(Kind::Image) => "a height map",
+        Some(kind) => kind.name(),
+    };
+    refuse_flags(what, &flags)?;
     let materials = arguments.material.iter().map(|text| named_material(text)).collect();
     Ok(MesoOptions {
         geometry,

@@ -11,16 +11,13 @@ use crate::table::bytes;
 use brdfc::environment::EnvironmentFacts;
 use brdfc::inspect::{
     AnyPack as Pack, DeviceNeeds, ImportanceFacts, Kind, Opened, PtmFacts, PwtFacts, RtiCapture, RtiCaptureFacts,
-    RtiFacts, STRUCTURES, SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, open, open_asset, open_pack,
-    open_ptm, open_rti, opened, split_query, surface,
+    RtiFacts, STRUCTURES, SYNTH_PREFIX, SurfaceFacts, Symmetry, describe_surface, known_files, open, open_asset,
+    open_pack, open_ptm, open_rti, opened, split_query, surface,
 };
 use brdfc::lobes::LobesFacts;
 use brdfc::{BrdfPack, Facts, Input, InputError};
 use clap::Args;
 use serde::Serialize;
-
-/// Inputs that are described, for messages.
-const ALLOWED: &str = "a BRDF, a pack, a structure, a mesh, a height map, a BTF, an RTI capture, a .ptm or a .rti";
 
 /// Describe an input: layout, sizes, symmetries, measured errors of a pack.
 ///
@@ -137,7 +134,7 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             Pack::Pwt(pack) => Contents::Other(Other::PwtPack(PwtFacts::new(&pack))),
             pack => match BrdfPack::try_from(pack) {
                 Ok(pack) => reflectance(opened(&pack, None)),
-                Err(kind) => return Err(Kind::Pack(kind).refused(input, ALLOWED).into()),
+                Err(kind) => return Err(Kind::Pack(kind).refused(input, allowed()).into()),
             },
         },
         (Kind::Model | Kind::Structure | Kind::Table | Kind::Scan, _) => {
@@ -145,12 +142,19 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
             note_gaps(common, input, opened.source.as_ref());
             reflectance(opened)
         }
-        _ => return Err(kind.refused(input, ALLOWED).into()),
+        _ => return Err(kind.refused(input, allowed()).into()),
     };
     let devices = if kind.is_ktx2() { Some(files::device_needs(input)?) } else { None };
     let mut lines = contents_lines(&contents);
     lines.extend(devices.as_ref().map(|needs| ("devices", needs.summary())));
     print(&json_or(common, &Report { version: 1, contents, devices }, lines_of(&lines)))
+}
+
+/// Inputs that are described, for messages.
+fn allowed() -> String {
+    let others = ".lp (RTI capture), .ptm or .rti (RTI viewer), .btf (BTF), .obj or .ply (mesh), .png or .exr (height map), the folder \
+                  of an RTI capture or a BTF, or synth:NAME";
+    format!("{}, {others}", known_files())
 }
 
 /// Describes an input of 'brdfc flatten'.

@@ -129,9 +129,9 @@ fn names_and_folders() {
     let folder = Folder::new();
     folder.write("folder/file.txt", b"x");
     refused(&folder, &["info", "gone.binary"], 4, &["brdfc: gone.binary: cannot read: "]);
-    refused(&folder, &["info", "folder"], 3, &["brdfc: folder: stack: no images; expected files "]);
-    let message = "brdfc: folder: file: found a folder, expected a file or a pipe; use 'brdfc build' for a folder";
-    refused(&folder, &["encode", "folder", "-o", "p.ktx2"], 3, &[message]);
+    refused(&folder, &["info", "folder"], 3, &["brdfc: folder: input: found a folder, expected .binary (MERL), "]);
+    let words = ["brdfc: folder: input: found a folder, expected .binary (MERL), ", "use 'brdfc build' for a folder"];
+    refused(&folder, &["encode", "folder", "-o", "p.ktx2"], 3, &words);
     refused(&folder, &["info", "folder/file.txt"], 3, &["file name: found extension .txt, expected .binary (MERL)"]);
     refused(&folder, &["info", "folder/file.txt/x.brdf"], 4, &["cannot read: "]);
     refused(&folder, &["info", ""], 4, &["cannot read: "]);

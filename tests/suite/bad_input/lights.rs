@@ -247,12 +247,11 @@ fn neither_is_a_brdf() {
         ("s/icon.ptm", "a polynomial texture map"),
         ("s/icon.rti", "an RTI file"),
     ] {
-        let found =
-            format!("brdfc: {input}: input: {what} has no BRDF, only images of one view under many lights; expected");
-        let pack = format!("; 'brdfc pwt' makes a pack of {what}, and 'brdfc info' describes it\n");
-        refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &[found.as_str(), ".binary (MERL)", &pack]);
+        let found = format!("brdfc: {input}: input: found {what}, expected .binary (MERL), ");
+        let words = [found.as_str(), "; 'brdfc pwt' makes a pack of it\n"];
+        refused(&folder, &["encode", input, "-o", "p.ktx2"], 3, &words);
         folder.write("pairs.csv", "wi_x,wi_y,wi_z\n");
-        refused(&folder, &["eval", input, "--directions", "pairs.csv"], 3, &[found.as_str(), &pack]);
+        refused(&folder, &["eval", input, "--directions", "pairs.csv"], 3, &words);
     }
     refused(&folder, &["encode", "gone.lp", "-o", "p.ktx2"], 4, &["gone.lp: cannot read"]);
     folder.write("lies.ptm", png(4));

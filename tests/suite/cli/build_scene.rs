@@ -97,7 +97,11 @@ fn a_failed_material_does_not_stop_the_others() {
     let folder = folder();
     for (change, code, words) in [
         (["data/table.binary", "data/gone.binary"], 4, "table: data/gone.binary: cannot read: "),
-        (["data/table.binary", "scene.toml"], 3, "table: scene.toml: file name: found extension .toml"),
+        (
+            ["data/table.binary", "scene.toml"],
+            3,
+            "table: scene.toml: input: found a manifest, expected .binary (MERL), ",
+        ),
         (["data/table.binary", "synth:lewisss"], 3, "did you mean lewis?"),
         (
             ["data/table.binary'", "data/table.binary'\nmax_error = 1e-9"],

@@ -9,9 +9,10 @@ use brdfc_testing::packs::sealed;
 fn files_of_what_is_not_there_cannot_be_read() {
     let folder = Folder::new();
     folder.write("some.txt", b"no pack");
-    for (name, code, problem) in
-        [("gone", 4, "gone: cannot read"), ("some.txt", 3, "some.txt: input: not a pack; expected a pack")]
-    {
+    for (name, code, problem) in [
+        ("gone", 4, "gone: cannot read"),
+        ("some.txt", 3, "some.txt: file name: found extension .txt, expected a pack"),
+    ] {
         let ran = folder.run(&["info", name, "--files"]);
         assert!(ran.code == code && ran.stderr.contains(problem), "{name}: {}", ran.stderr);
     }
@@ -328,8 +329,16 @@ fn damaged_packs_and_folders_of_packs() {
     let folder = Folder::new();
     folder.run(&["build", "synth:lambert", "synth:ward", "--max-bytes", "1KiB", "--out", "packs"]).succeeded();
     let ran = folder.run(&["info", "packs"]);
-    let words = "brdfc: packs: a folder of packs; name a pack, such as packs/lambert.brdf.ktx2, or use 'brdfc report'";
-    assert!(ran.code == 3 && ran.stderr.starts_with(words), "{ran:?}");
+    let remedy = "; name one of its packs, or use 'brdfc report'\n";
+    assert!(ran.code == 3 && ran.stderr.starts_with("brdfc: packs: input: found the output of a build"), "{ran:?}");
+    assert!(ran.stderr.ends_with(remedy), "{ran:?}");
+    std::fs::remove_file(folder.path().join("packs/report.json")).unwrap();
+    let ran = folder.run(&["info", "packs"]);
+    let found = "brdfc: packs: input: found a folder of packs without the report of a build, expected ";
+    assert!(
+        ran.code == 3 && ran.stderr.starts_with(found) && ran.stderr.ends_with("; name one of its packs\n"),
+        "{ran:?}"
+    );
     let mut bytes = folder.read("packs/ward.brdf.ktx2");
     let last = bytes.len() - 1;
     bytes[last] ^= 1;

@@ -291,11 +291,15 @@ fn what_cannot_be_is_refused() {
             "--output: found x.foo, expected a name that ends in .ktx2 or .ptm, or - for stdout",
         ),
         (2, &["stack", "-o", "x.ktx2", "--levels", "7"], "--levels: found 7, expected 0 to 5 for 45 x 38"),
-        (3, &["folder.ktx2", "-o", "x.ktx2"], "folder.ktx2: file: found a folder, expected a file or a pipe"),
-        (3, &["empty", "-o", "x.ktx2"], "empty: unknown kind of input; expected a folder with a list of lights"),
+        (3, &["folder.ktx2", "-o", "x.ktx2"], "folder.ktx2: input: found a folder, expected a folder with a list"),
+        (3, &["empty", "-o", "x.ktx2"], "empty: input: found a folder, expected a folder with a list of lights"),
         (3, &["unlisted", "-o", "x.ktx2"], "with angles in degrees; an RTI capture requires a list of lights (.lp)"),
         (3, &["lewis.ktx2", "-o", "x.ptm"], "pack: found a table pack, expected a polynomial wavelet tree"),
-        (3, &["paint.brdf", "-o", "x.ktx2"], "extension: found .brdf, expected a folder with a list of lights"),
+        (
+            3,
+            &["paint.brdf", "-o", "x.ktx2"],
+            "paint.brdf: input: found a scan, expected a folder with a list of lights",
+        ),
         (4, &["nothing", "-o", "x.ktx2"], "nothing: cannot read"),
     ] {
         let ran = folder.run(&[&["pwt"][..], arguments].concat());

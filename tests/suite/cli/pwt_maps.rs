@@ -60,7 +60,7 @@ fn files_of_harmonics_become_packs() {
     conforms("compare", &report);
     folder.run(&["pwt", "h.rti", "-o", "h.ptm"]).succeeded();
     let ran = folder.run(&["pwt", "h.rti", "-o", "h.ktx2", "--view", "0"]);
-    assert!(ran.code == 2 && ran.stderr.contains("--view does not apply to packs and files of viewers"), "{ran:?}");
+    assert!(ran.code == 2 && ran.stderr.contains("--view does not apply to an RTI file, only to BTFs"), "{ran:?}");
 }
 
 /// The planes of a compressed map are grey JPEGs; the map shows what the uncompressed one shows.

@@ -360,7 +360,7 @@ fn wrong_arguments() {
         (&["render", "p.ktx2", "--contact", "c.jpg"], 2, "--contact: found c.jpg, expected a name that ends in .png"),
         (&["render", "p.ktx2", "--contact", "c.png", "-o", "i.png"], 2, "cannot be used with"),
         (&["render", "p.ktx2", "--contact", "c.png", "--repeat", "3"], 2, "--repeat does not apply to p.ktx2"),
-        (&["render", ".", "--contact", "c.png"], 3, ".: file: found a folder, expected a file or a pipe"),
+        (&["render", ".", "--contact", "c.png"], 3, ".: input: found a folder"),
         (&["render", "synth:lewis", "--source", "p.ktx2"], 2, "--source does not apply to synth:lewis"),
         (&["render", "synth:lewis", "--ranking", "loud"], 2, "expected energy or visible"),
         (&["render", "synth:lewis", "--pack-delta-e", "0"], 2, "--pack-delta-e: found 0, expected 1e-6 to 100"),

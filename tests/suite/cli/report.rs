@@ -367,7 +367,7 @@ fn folders_that_are_not_what_their_report_says() {
         assert!(ran.code == code && ran.stderr.contains(words), "{} {}", ran.code, ran.stderr);
         assert!(!folder.path().join("page.html").exists());
     };
-    refused(4, "nowhere/report.json: cannot read", &["nowhere", "-o", "page.html"]);
+    refused(4, "nowhere: cannot read", &["nowhere", "-o", "page.html"]);
     let pack = ["packs/velvet.brdf.ktx2", "-o", "page.html"];
     refused(3, "expected the folder of a build, or a flat BTF; 'brdfc info' describes a single pack", &pack);
     refused(2, "--output: found page.pdf, expected a name that ends in .html or .htm", &["packs", "-o", "page.pdf"]);

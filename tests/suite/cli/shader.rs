@@ -78,7 +78,11 @@ fn an_unknown_kind_is_reported() {
         (&["shader", "table"], 2, "--language"),
         (&["shader", "table", "--language", "cg"], 2, "invalid value 'cg'"),
         (&["shader", "some.ktx2", "--language", "glsl"], 3, "some.ktx2: "),
-        (&["shader", "report.json", "--language", "glsl"], 3, "report.json: not a pack; expected table, "),
+        (
+            &["shader", "report.json", "--language", "glsl"],
+            3,
+            "report.json: input: found the output of a build, expected table, ",
+        ),
         (&["shader", "empty", "--language", "glsl"], 3, "empty: input: no flat BTF in this folder"),
         (&["shader", "some.ktx2", "--language", "glsl", "-o", "some.ktx2"], 2, "would overwrite the input some.ktx2"),
         (&["shader", "table", "--language", "glsl", "-o", "gone/x.glsl"], 4, "there is no folder gone"),

@@ -77,7 +77,9 @@ impl LightInput {
         if codes.is_some() && !(kind == Kind::RtiCapture || kind == Kind::Btf && is_folder) {
             return Err(Error::usage("--photographs applies only to RTI captures and folders of BTF images"));
         }
-        if view.is_some() && !(kind == Kind::Btf || kind.is_flat_btf()) {
+        let has_one_view =
+            matches!(kind, Kind::RtiCapture | Kind::Ptm | Kind::Rti) || kind.is_ktx2() && !kind.is_flat_btf();
+        if view.is_some() && has_one_view {
             return Err(Error::usage(format!("--view does not apply to {}, only to BTFs", kind.name())));
         }
         let view = view.unwrap_or(ViewChoice::One(0));
