@@ -5,7 +5,7 @@
 
 pub use brdfc_formats::pwt::LightCoordinates;
 pub use brdfc_jobs::pwt::{
-    HeldOut, HeldOutViews, HoldOut, LevelReport, LightInput, Missed, PwtMade, PwtReport, SurfaceReport, ViewChoice,
+    HeldOut, HeldOutViews, HoldOut, LevelReport, LightInput, PwtMade, PwtOptions, PwtReport, SurfaceReport, ViewChoice,
     WebExport, WebReport, albedo_png, any_above_white, make, make_map, make_surface, make_web, make_web_of_map,
     normals_png, recipe_of_map,
 };

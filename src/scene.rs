@@ -7,8 +7,9 @@
 pub use brdfc_jobs::depfile::depfile;
 pub use brdfc_jobs::encode::Predicted;
 pub use brdfc_jobs::file_events::FileEvents;
-pub use brdfc_jobs::report::build::MaterialEntry;
+pub use brdfc_jobs::report::build::{AssetEntry, MaterialEntry};
 pub use brdfc_jobs::report::list::MaterialFile;
+pub use brdfc_jobs::scene::assets::{AssetJob, AssetKind, AssetReport, MadeAsset};
 pub use brdfc_jobs::scene::current::PackFolder;
 pub use brdfc_jobs::scene::explain::{Explained, NOTHING};
 pub use brdfc_jobs::scene::graph::{Graph, Places};

@@ -57,7 +57,7 @@ impl<'a> Materials<'a> {
     /// Progress of all materials of a plan.
     pub(super) fn of(plan: &Plan, common: Common) -> Self {
         let maps = plan.environment.is_some();
-        Self::new(plan.jobs.len() + usize::from(maps), maps, common)
+        Self::new(plan.jobs.len() + plan.assets.len() + usize::from(maps), maps, common)
     }
 
     /// Stops when `cancelled` is set, and prints no plain lines.

@@ -7,15 +7,13 @@ use super::reading::PhotographOptions;
 use super::{Common, Error};
 use crate::table;
 use brdfc::relight::{
-    DomainName, HoldOut, LevelReport, LightCoordinates, LightInput, MapModel, Missed, PTM, Ptm, PwtRecipe, PwtReport,
-    PwtTextureFacts, StackErrors, Target, ViewChoice, Wavelet, any_above_white, make, make_map, recipe_of_map,
+    HoldOut, LevelReport, LightInput, MapModel, PTM, Ptm, PwtOptions, PwtReport, PwtTextureFacts, StackErrors,
+    ViewChoice, any_above_white, make, make_map, recipe_of_map,
 };
 use brdfc::{ErrorKind, Input};
-use brdfc_terminal::usage::share;
-use brdfc_terminal::values::{any_whole_number, bytes_from_text, one_of};
+use brdfc_terminal::values::{any_whole_number, one_of};
 use brdfc_terminal::words::counted;
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use images::{ImageOutputs, ImageReports};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -59,21 +57,6 @@ pub struct Arguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     images: ImageOutputs,
-    /// Minimum PSNR of 8-bit sRGB levels, 0 to 200 dB.
-    #[arg(long, value_name = "DB", group = "target")]
-    quality: Option<f64>,
-    /// Maximum mean ΔE (CIE76), 0 to 1000.
-    #[arg(long, value_name = "E", group = "target")]
-    max_delta_e: Option<f64>,
-    /// Maximum bytes on a GPU, including mipmaps: a number, optionally with KiB or MiB.
-    #[arg(long, value_name = "BYTES", group = "target", value_parser = bytes_from_text)]
-    max_bytes: Option<u64>,
-    /// Minimum fraction of the squared error that terms and details remove, 0 to 1.
-    #[arg(long, value_name = "SHARE", group = "target", value_parser = share)]
-    energy: Option<f64>,
-    /// Maximum loss of PSNR at held-out lights from dropping terms and details, 0 to 100 dB (default: 0.3).
-    #[arg(long, value_name = "DB", group = "target")]
-    loss: Option<f64>,
     /// View of a BTF, 0 to the number of views - 1, or all (default: 0).
     #[arg(long, alias = "views", value_name = "V|all", value_parser = view_choice, allow_hyphen_values = true)]
     view: Option<ViewChoice>,
@@ -82,33 +65,8 @@ pub struct Arguments {
     /// Treat the images as tiles that repeat, like the images of BTFs.
     #[arg(long)]
     tile: bool,
-    /// Terms of the light: polynomials in the coordinates of the paraboloid or in x and y, harmonics of the hemisphere, or terms
-    /// that are learned from the photographs (default: the best).
-    #[arg(long, value_name = "NAME", value_parser = names(&LightCoordinates::ALL, LightCoordinates::name))]
-    terms: Option<LightCoordinates>,
-    /// Highest degree of polynomials, 0 to 5, or number of learned terms, 1 to 35 (default: the best). Without --terms it
-    /// selects polynomials.
-    #[arg(long, value_name = "D", value_parser = any_whole_number::<u32>("0 to 35"))]
-    degree: Option<u32>,
-    /// Maximum number of texture fetches per pixel, 1 to 32 (default: any).
-    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("1 to 32"))]
-    max_fetches: Option<u32>,
-    /// Smoothness of polynomials between the lights: a ridge penalty, 0 to 1000000 (default: the best). Without --terms it
-    /// selects polynomials.
-    #[arg(long, value_name = "L")]
-    ridge: Option<f64>,
-    /// Scale of the fitted values (default: the best).
-    #[arg(long, value_name = "NAME", value_parser = names(&DomainName::ALL, DomainName::name))]
-    domain: Option<DomainName>,
-    /// Wavelet of the tree (default: haar).
-    #[arg(long, value_name = "NAME", value_parser = names(&Wavelet::ALL, Wavelet::name))]
-    wavelet: Option<Wavelet>,
-    /// Levels of the tree, 0 to 8 (default: up to 5).
-    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 8"))]
-    levels: Option<u32>,
-    /// Maximum number of further splits of details, each made only if it costs fewer bits, 0 to 4 (default: 1).
-    #[arg(long, value_name = "N", value_parser = any_whole_number::<u32>("0 to 4"))]
-    packets: Option<u32>,
+    #[command(flatten)]
+    options: PwtOptions,
     /// Number of lights to hold out of the fit, 0 to the number of lights - 1 (default: 0). The report includes the
     /// errors at held-out lights.
     #[arg(
@@ -149,15 +107,6 @@ fn view_choice(text: &str) -> Result<ViewChoice, String> {
         "all" => Ok(ViewChoice::All),
         _ => text.parse().map(ViewChoice::One).map_err(|_| "expected 0 to the number of views - 1, or all".to_owned()),
     }
-}
-
-/// Parses one of several values by its name.
-fn names<T: Copy + Send + Sync + 'static>(
-    all: &'static [T],
-    name: fn(T) -> &'static str,
-) -> impl TypedValueParser<Value = T> {
-    let find = move |given: String| all.iter().copied().find(|one| name(*one) == given).expect("a name of one");
-    PossibleValuesParser::new(all.iter().map(|one| name(*one)).collect::<Vec<_>>()).map(find)
 }
 
 /// Report of `--json`.
@@ -225,46 +174,6 @@ pub struct Seconds {
     encode: f64,
 }
 
-fn recipe(arguments: &Arguments) -> Result<PwtRecipe, Error> {
-    let default = PwtRecipe::default();
-    if arguments.terms == Some(LightCoordinates::Learned) {
-        let given = [(arguments.ridge.is_some(), "--ridge"), (arguments.packets.is_some(), "--packets")];
-        refuse_flags("--terms learned", &given.map(|(given, flag)| (given, flag, "polynomials")))?;
-    }
-    let targets = [
-        arguments.quality.map(Target::Quality),
-        arguments.max_delta_e.map(Target::DeltaE),
-        arguments.max_bytes.map(Target::Bytes),
-        arguments.energy.map(Target::Energy),
-        arguments.loss.map(Target::Loss),
-    ];
-    let recipe = PwtRecipe {
-        coordinates: arguments.terms,
-        degree: arguments.degree,
-        ridge: arguments.ridge,
-        domain: arguments.domain,
-        wavelet: arguments.wavelet.unwrap_or(default.wavelet),
-        depth: arguments.levels,
-        packets: arguments.packets.unwrap_or(default.packets),
-        max_fetches: arguments.max_fetches,
-        target: targets.into_iter().flatten().next().unwrap_or(default.target),
-    };
-    recipe.check().map_err(|error| {
-        let flag = match error.field.as_ref() {
-            "bytes" => "max-bytes".to_owned(),
-            "delta E" => "max-delta-e".to_owned(),
-            other => other.to_owned(),
-        };
-        let learned = LightCoordinates::Learned.max_degree();
-        let more = match arguments.terms {
-            None if flag == "degree" => format!(", or up to {learned} with --terms learned"),
-            _ => String::new(),
-        };
-        Error::usage(format!("--{flag}: found {}, expected {}{more}", error.found, error.allowed))
-    })?;
-    Ok(recipe)
-}
-
 /// Rejects options that do not apply to outputs other than packs.
 fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error> {
     let web = arguments.images.web.is_some();
@@ -274,23 +183,12 @@ fn refuse_flags_of_packs(arguments: &Arguments, found: &str) -> Result<(), Error
     let given = [
         (all, "--view all"),
         (arguments.hold_out_views != 0, "--hold-out-views"),
-        (arguments.quality.is_some(), "--quality"),
-        (arguments.max_delta_e.is_some(), "--max-delta-e"),
-        (arguments.max_bytes.is_some(), "--max-bytes"),
-        (arguments.energy.is_some(), "--energy"),
-        (arguments.loss.is_some(), "--loss"),
         (arguments.tile, "--tile"),
-        (arguments.terms.is_some(), "--terms"),
-        (arguments.degree.is_some(), "--degree"),
-        (arguments.max_fetches.is_some(), "--max-fetches"),
-        (arguments.ridge.is_some(), "--ridge"),
-        (arguments.domain.is_some(), "--domain"),
-        (arguments.wavelet.is_some(), "--wavelet"),
-        (arguments.levels.is_some(), "--levels"),
-        (arguments.packets.is_some(), "--packets"),
         (arguments.no_supercompression, "--no-supercompression"),
     ];
-    refuse_flags(found, &given.map(|(given, flag)| (given, flag, "packs")))
+    refuse_flags(found, &given.map(|(given, flag)| (given, flag, "packs")))?;
+    let options: Vec<String> = arguments.options.given().map(flag_of).collect();
+    refuse_flags(found, &options.iter().map(|flag| (true, flag.as_str(), "packs")).collect::<Vec<_>>())
 }
 
 impl Arguments {
@@ -311,7 +209,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
-    let recipe = recipe(arguments)?;
+    let recipe = arguments.options.recipe().map_err(|error| Error::from(error).name_options(flag_of))?;
     let output = arguments.output.as_deref();
     let is_map = output.and_then(Path::extension).is_some_and(|extension| extension.eq_ignore_ascii_case(PTM));
     if is_map {
@@ -386,14 +284,14 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let bytes = made.encoded.pack.to_bytes(!arguments.no_supercompression);
     write_file(output, &bytes)?;
     let report = PwtReport::new(&made, recipe.target, bytes.len());
-    let missed = made.missed(recipe.target).map(|why| missed(&recipe, &report, &why));
+    let missed = made.missed(recipe.target);
     if !report.met {
         note(common, &arguments.input, "no pack meets the target; wrote the best pack");
     }
     let text = summary(&report, seconds) + &images.summary() + &colour_line(colour.as_deref());
     let report = Report { version: 1, made: Made::Pwt(report), images, colour, notes: notes.lines, seconds };
     print_report(common, output, &json_or(common, &report, text))?;
-    missed.map_or(Ok(()), |text| Err(Error::check(text)))
+    missed.map_or(Ok(()), |message| Err(Error::check(message.named(flag_of))))
 }
 
 /// Prefixes errors of photographs with the name of the input.
@@ -401,29 +299,9 @@ fn of_input(input: &Input, error: Error) -> Error {
     if error.kind() == ErrorKind::Input { error.prefixed(input) } else { error }
 }
 
-fn missed(recipe: &PwtRecipe, report: &PwtReport, why: &Missed) -> String {
-    let fitted = (report.psnr, report.delta_e, "");
-    let (psnr, delta_e, at) = match (why, &report.held_out, &report.held_out_views) {
-        (Missed::HeldOut, Some(held), _) => (held.psnr, held.delta_e, " at held-out lights"),
-        (Missed::HeldOutViews, _, Some(held)) => (held.psnr, held.delta_e, " at held-out views"),
-        _ => fitted,
-    };
-    if let Missed::Nothing(nothing) = why {
-        return format!("photographs: {nothing}");
-    }
-    match recipe.target {
-        Target::Quality(least) => {
-            format!("--quality: found {} dB{at}, expected at least {least} dB", table::apart(psnr, least))
-        }
-        Target::DeltaE(limit) => {
-            format!("--max-delta-e: found a mean ΔE of {}{at}, expected at most {limit}", table::apart(delta_e, limit))
-        }
-        Target::Bytes(bytes) => format!("--max-bytes: found {} bytes, expected at most {bytes}", report.bytes_on_gpu),
-        Target::Energy(share) => {
-            format!("--energy: all terms and details remove less than {share} of the squared error; use a lower value")
-        }
-        Target::Loss(loss) => format!("--loss: the best pack loses more than {loss} dB; use a higher value"),
-    }
+/// The flag of an option's key.
+fn flag_of(key: &str) -> String {
+    format!("--{}", key.replace('_', "-"))
 }
 
 fn write_map(

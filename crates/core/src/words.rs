@@ -62,6 +62,15 @@ pub fn join_truncated(names: &[impl AsRef<str>], most: usize) -> String {
     if more == 0 { named.join(", ") } else { format!("{} and {more} more", named.join(", ")) }
 }
 
+/// Formats a number with two decimals, or with as many as are needed to see on which side of a limit it is.
+pub fn apart(found: f64, limit: f64) -> String {
+    let text = |decimals: usize| format!("{found:.decimals$}");
+    let tells = |text: &String| {
+        text.parse::<f64>().is_ok_and(|parsed| (parsed > limit, parsed < limit) == (found > limit, found < limit))
+    };
+    (2..=12).map(text).find(tells).unwrap_or_else(|| found.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

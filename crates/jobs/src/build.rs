@@ -4,6 +4,7 @@ use crate::encode::{EncodeOptions, options_over};
 use crate::error::Error;
 use crate::outputs::{make_folder, refuse_overwriting_any};
 use crate::report::build::BuildReport;
+use crate::scene::assets::AssetJob;
 use crate::scene::batch::{find, given, manifest_of};
 use crate::scene::build::{BuildSettings, Built, build, build_works};
 use crate::scene::current::PackFolder;
@@ -265,7 +266,10 @@ impl Build {
         let known = |job: &Job| folder.as_ref()?.known(job);
         let jobs = plan.jobs.iter();
         let known: BTreeMap<&str, Made> = jobs.filter_map(|job| Some((job.name.as_str(), known(job)?))).collect();
-        let mut report = BuildReport::planned(plan, &known);
+        let known_asset = |job: &AssetJob| folder.as_ref()?.known_asset(job);
+        let assets = plan.assets.iter();
+        let known_assets = assets.filter_map(|job| Some((job.name.as_str(), known_asset(job)?))).collect();
+        let mut report = BuildReport::planned(plan, &known, &known_assets);
         if explains {
             let made = known.iter().map(|(name, made)| (*name, made)).collect();
             report.needs = explain(plan, &made, &|job, source| folder.as_ref()?.known_of(job, source));

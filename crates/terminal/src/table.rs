@@ -1,6 +1,6 @@
 //! Text tables.
 
-pub use brdfc_core::words::{bytes, percent};
+pub use brdfc_core::words::{apart, bytes, percent};
 
 use brdfc_formats::crop::DirectionRange;
 use brdfc_jobs::encode::Trial;
@@ -141,15 +141,6 @@ fn highlight_text(comparison: &Comparison) -> String {
 /// Formats `ε_r`, or a dash if no sample is above the floor.
 fn relative(norms: &Norms) -> String {
     if norms.counted() == 0 { "-".to_owned() } else { percent(norms.relative_mean) }
-}
-
-/// Formats a number with two decimals, or with as many as are needed to see on which side of a limit it is.
-pub fn apart(found: f64, limit: f64) -> String {
-    let text = |decimals: usize| format!("{found:.decimals$}");
-    let tells = |text: &String| {
-        text.parse::<f64>().is_ok_and(|parsed| (parsed > limit, parsed < limit) == (found > limit, found < limit))
-    };
-    (2..=12).map(text).find(tells).unwrap_or_else(|| found.to_string())
 }
 
 /// Formats a value with three or four significant digits.

@@ -105,7 +105,7 @@ pub(super) fn tell_left_out(build: &Build, common: Common) {
     let names: Vec<String> = build.left_out().iter().map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
         let (count, names) = (counted(names.len(), "file"), join_truncated(&names, MAX_NAMED_FILES));
-        remark(common, &format!("skipped, not measured materials: {count} ({names})"));
+        remark(common, &format!("skipped, not assets: {count} ({names})"));
     }
 }
 
@@ -122,6 +122,14 @@ pub(super) fn print_diagnostics(build: &Build, built: &Built, common: Common, co
             lines.iter().for_each(|line| note(common, &name, line));
         }
     }
+    for outcome in &built.outcomes.assets {
+        let Ok(made) = &outcome.result else { continue };
+        if made.times.is_some() {
+            made.report.notes.iter().for_each(|line| note(common, &outcome.name, line));
+        } else {
+            cached += usize::from(!made.report.notes.is_empty());
+        }
+    }
     if count_cached && cached > 0 {
         let verb = if cached == 1 { "has" } else { "have" };
         let which = format!("{} from the cache {verb}", counted(cached, "material"));
@@ -133,7 +141,9 @@ pub(super) fn print_diagnostics(build: &Build, built: &Built, common: Common, co
 }
 
 fn tell_changes(changes: &Changes, report: &BuildReport, common: Common) {
-    let retained = report.materials.iter().filter(|entry| entry.retained).map(|entry| entry.material.clone()).collect();
+    let materials = report.materials.iter().filter(|entry| entry.retained).map(|entry| entry.material.clone());
+    let assets = report.assets.iter().filter(|entry| entry.retained).map(|entry| entry.asset.clone());
+    let retained = materials.chain(assets).collect();
     for (what, names) in [
         ("retained from earlier builds", &retained),
         ("removed, not part of this build", &changes.removed),

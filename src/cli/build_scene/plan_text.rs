@@ -1,7 +1,7 @@
 //! Text of a plan: what a build would do.
 
 use crate::table;
-use brdfc::scene::{Explained, Job, MaterialEntry, NOTHING, Predicted, pack_name};
+use brdfc::scene::{AssetEntry, AssetJob, Explained, Job, MaterialEntry, NOTHING, Predicted, pack_name};
 use brdfc::{BuildReport, PackRecipe, Plan};
 use brdfc_terminal::words::{format_number, join_truncated};
 use std::path::Path;
@@ -24,7 +24,15 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         ]
     };
     let header = ["material", "uses", "codec", "target", "on GPU", "source", "pack"];
-    let mut text = table::plain(&header, plan.jobs.iter().zip(&report.materials).map(row));
+    let mut text = match plan.jobs.is_empty() {
+        true => String::new(),
+        false => table::plain(&header, plan.jobs.iter().zip(&report.materials).map(row)),
+    };
+    if !plan.assets.is_empty() {
+        let header = ["asset", "kind", "on GPU", "source", "pack"];
+        let rows = plan.assets.iter().zip(&report.assets).map(|(job, planned)| asset_row(job, planned, out));
+        text += &(if text.is_empty() { "" } else { "\n" }.to_owned() + &table::plain(&header, rows));
+    }
     let lobes = plan.jobs.iter().zip(&report.materials).filter_map(|(job, planned)| {
         let (recipe, predicted) = (job.lobes.as_ref()?, planned.predicted_lobes?);
         let limit = recipe.max_delta_e.map_or(String::new(), |limit| format!("ΔE {}, ", format_number(limit)));
@@ -50,6 +58,16 @@ pub(super) fn text(plan: &Plan, report: &BuildReport, out: &Path) -> String {
         text += &format!("not used by the scene: {}\n", join_truncated(&plan.skipped, MAX_NAMED));
     }
     text + &needs(&report.needs)
+}
+
+fn asset_row(job: &AssetJob, planned: &AssetEntry, out: &Path) -> [String; 5] {
+    let on_gpu = match &planned.report {
+        _ if !job.path.exists() => "no such file".to_owned(),
+        Some(report) => format!("{}, cached", table::bytes(report.bytes_on_gpu)),
+        None => "searched".to_owned(),
+    };
+    let file = out.join(job.file()).display().to_string();
+    [job.name.clone(), job.kind.name().to_owned(), on_gpu, job.path.display().to_string(), file]
 }
 
 /// Formats the features that each material needs, and why.

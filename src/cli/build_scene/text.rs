@@ -3,7 +3,7 @@
 use crate::table;
 use brdfc::bandwidth::BandwidthFacts;
 use brdfc::environment::EnvironmentFacts;
-use brdfc::scene::{LOBES, LobesReport, PARTS, Packed, TEXTURE, part_name};
+use brdfc::scene::{LOBES, LobesReport, MadeAsset, PARTS, Packed, TEXTURE, part_name};
 use brdfc::{Outcomes, Plan};
 
 /// Formats packs as a table, one per line, and lobes and maps if there are any.
@@ -41,7 +41,30 @@ pub(super) fn text(plan: &Plan, outcomes: &Outcomes) -> String {
     }
     let header = ["map", "texels", "largest bandwidth", "on disk", "on GPU"];
     let maps = (!rows.is_empty()).then(|| table::plain(&header, &rows));
-    packs.into_iter().chain(lobes).chain(maps).collect::<Vec<_>>().join("\n")
+    let assets =
+        outcomes.assets.iter().filter_map(|outcome| Some(asset_row(&outcome.name, outcome.result.as_ref().ok()?)));
+    let assets: Vec<_> = assets.collect();
+    let header = ["asset", "size", "images", "fetches", "on disk", "on GPU", "dB", "ΔE", "time"];
+    let assets = (!assets.is_empty()).then(|| table::plain(&header, assets));
+    packs.into_iter().chain(lobes).chain(maps).chain(assets).collect::<Vec<_>>().join("\n")
+}
+
+fn asset_row(name: &str, made: &MadeAsset) -> [String; 9] {
+    let report = &made.report;
+    let decimals = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+    let seconds = made.times.as_ref().map(|times| times.iter().map(|stage| stage.seconds).sum::<f64>());
+    let [disk, gpu] = [report.bytes_on_disk, report.bytes_on_gpu].map(table::bytes);
+    [
+        name.to_owned(),
+        format!("{} x {}", report.size[0], report.size[1]),
+        report.images.to_string(),
+        report.fetches.map_or("-".to_owned(), |fetches| fetches.to_string()),
+        disk,
+        gpu,
+        decimals(report.psnr),
+        decimals(report.delta_e),
+        seconds.map_or("cached".to_owned(), |seconds| format!("{seconds:.2} s")),
+    ]
 }
 
 fn lobes_row(name: &str, lobes: &LobesReport) -> [String; 6] {

@@ -279,7 +279,7 @@ fn what_cannot_be_is_refused() {
         (
             2,
             &["stack", "-o", "x.ktx2", "--ridge", "1", "--terms", "learned"],
-            "--ridge does not apply to --terms learned, only to polynomials",
+            "--ridge: does not apply to --terms learned, only to polynomials",
         ),
         (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40, expected 0 to 39"),
         (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view does not apply to RTI captures, only to BTFs"),

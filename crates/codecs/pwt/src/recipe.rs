@@ -50,7 +50,7 @@ pub enum Target {
 }
 
 /// Settings of a pack. Settings that are `None` are chosen by measurement.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PwtRecipe {
     /// Coordinates of the polynomials, or learned terms.
     pub coordinates: Option<LightCoordinates>,

@@ -1,6 +1,8 @@
 //! Makes packs and maps from photographs, and measures their errors at held-out lights.
 
+use crate::encode::Message;
 use crate::error::Error;
+use brdfc_core::words::apart;
 use brdfc_formats::FormatError;
 use brdfc_formats::pwt::{LightBasis, PwtDecoder};
 use brdfc_pwt::measure::{StackErrors, image_errors, images_at, photograph_sums, stack_errors};
@@ -50,19 +52,6 @@ pub struct HoldOut {
     pub seed: u64,
 }
 
-/// Why a pack misses its target.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Missed {
-    /// Errors at the fitted lights are too large.
-    Fitted,
-    /// Errors at the held-out lights are too large.
-    HeldOut,
-    /// Errors at the held-out views are too large.
-    HeldOutViews,
-    /// The photographs have nothing to measure.
-    Nothing(String),
-}
-
 /// An encoded pack and its errors at held-out lights.
 pub struct PwtMade {
     /// The pack and details of its encoding.
@@ -76,25 +65,43 @@ pub struct PwtMade {
 }
 
 impl PwtMade {
-    /// The reason why the pack misses a target, if it does. Limits of error apply to held-out lights and views as well.
-    pub fn missed(&self, target: Target) -> Option<Missed> {
-        let fails = |psnr: f64, delta_e: f64| match target {
-            Target::Quality(least) => psnr < least,
-            Target::DeltaE(most) => delta_e > most,
+    /// How the pack misses a target, with the key of the option, if it does. Limits of error apply to held-out lights and views as
+    /// well.
+    pub fn missed(&self, target: Target) -> Option<Message> {
+        let errors = &self.encoded.errors;
+        let is_error = matches!(target, Target::Quality(_) | Target::DeltaE(_));
+        if let Some(nothing) = errors.nothing_shown().filter(|_| is_error) {
+            return Some(format!("photographs: {nothing}").into());
+        }
+        let of = |key: &str, text: String| Some(Message::default().with_key(key).with_text(format!(": {text}")));
+        let lights = self.held_out.as_ref().map(|held| (held.psnr, held.delta_e, " at held-out lights"));
+        let views = self.held_out_views.as_ref().map(|held| (held.psnr, held.delta_e, " at held-out views"));
+        let fitted = (errors.psnr, errors.delta_e, "");
+        let fails = |(psnr, delta_e, _): &(f64, f64, &str)| match target {
+            Target::Quality(least) => *psnr < least,
+            Target::DeltaE(most) => *delta_e > most,
             Target::Bytes(_) | Target::Energy(_) | Target::Loss(_) => false,
         };
-        let is_error = matches!(target, Target::Quality(_) | Target::DeltaE(_));
-        if let Some(nothing) = self.encoded.errors.nothing_shown().filter(|_| is_error) {
-            return Some(Missed::Nothing(nothing));
+        let failed = if self.encoded.met { lights.into_iter().chain(views).find(fails)? } else { fitted };
+        let (psnr, delta_e, at) = failed;
+        match target {
+            Target::Quality(least) => {
+                of("quality", format!("found {} dB{at}, expected at least {least} dB", apart(psnr, least)))
+            }
+            Target::DeltaE(limit) => {
+                let found = apart(delta_e, limit);
+                of("max_delta_e", format!("found a mean ΔE of {found}{at}, expected at most {limit}"))
+            }
+            Target::Bytes(bytes) => {
+                let found = self.encoded.pack.gpu_bytes();
+                of("max_bytes", format!("found {found} bytes, expected at most {bytes}"))
+            }
+            Target::Energy(share) => {
+                let text = "all terms and details remove less than";
+                of("energy", format!("{text} {share} of the squared error; use a lower value"))
+            }
+            Target::Loss(loss) => of("loss", format!("the best pack loses more than {loss} dB; use a higher value")),
         }
-        if !self.encoded.met {
-            return Some(Missed::Fitted);
-        }
-        if self.held_out.as_ref().is_some_and(|held| fails(held.psnr, held.delta_e)) {
-            return Some(Missed::HeldOut);
-        }
-        let views = self.held_out_views.as_ref();
-        views.filter(|held| fails(held.psnr, held.delta_e)).map(|_| Missed::HeldOutViews)
     }
 }
 

@@ -6,6 +6,7 @@ use super::material::{MaterialReport, StageTime};
 use crate::encode::Predicted;
 use crate::error::Error;
 use crate::file_name::{folded, is_plain};
+use crate::scene::assets::{AssetJob, AssetKind, AssetReport, MadeAsset};
 use crate::scene::explain::Explained;
 use crate::scene::lobes::{self, LOBES, LobesReport};
 use crate::scene::maps::{ENVIRONMENT_PARTS, EnvironmentMaps, MapsReport, PARTS, TEXTURE, part_name};
@@ -22,7 +23,7 @@ use std::path::Path;
 /// Maximum size of a `report.json`, bytes, enough for some 80,000 materials.
 pub const MAX_REPORT_BYTES: u64 = 1 << 30;
 /// Layout of the report of a build.
-pub const BUILD_VERSION: u32 = 5;
+pub const BUILD_VERSION: u32 = 6;
 
 /// Report of a build: `--json` prints it, and `report.json` in the output folder holds it without times and paths.
 #[derive(Debug, Clone, Serialize, Deserialize, schemars::JsonSchema)]
@@ -33,6 +34,9 @@ pub struct BuildReport {
     pub scene: String,
     /// Materials that the scene uses, by name.
     pub materials: Vec<MaterialEntry>,
+    /// RTI captures, BTFs and environments, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assets: Vec<AssetEntry>,
     /// The environment that lights the scene; absent if none does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment: Option<EnvironmentEntry>,
@@ -136,6 +140,64 @@ impl MaterialEntry {
         let met = self.report.as_ref().is_some_and(|report| report.missed.is_none());
         met && self.lobes_report().is_none_or(|lobes| lobes.missed.is_none())
             && self.gates.iter().all(|gate| gate.passed)
+    }
+}
+
+/// An asset of a build that is no material.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct AssetEntry {
+    /// Name of the asset.
+    pub asset: String,
+    /// Kind of the asset.
+    pub kind: AssetKind,
+    /// Path of the source, as in the manifest.
+    pub source: String,
+    /// The pack, relative to the output folder, with its hash; absent if the asset failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pack: Option<FileEntry>,
+    /// Contents and errors of the pack; absent if the asset failed, or was only planned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub report: Option<AssetReport>,
+    /// Results of the gates in the manifest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gates: Vec<GateResult>,
+    /// Error message; absent if it succeeded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// True if an earlier build made it and this one retained it without requesting it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub retained: bool,
+    /// True if it came from the store. Only in printed reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cached: Option<bool>,
+    /// Seconds per stage. Only in printed reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stages: Option<Vec<StageTime>>,
+}
+
+impl AssetEntry {
+    /// Returns true if it was made, met its target and passed its gates.
+    pub fn passed(&self) -> bool {
+        let met = self.report.as_ref().is_some_and(|report| report.missed.is_none());
+        met && self.gates.iter().all(|gate| gate.passed)
+    }
+
+    fn planned(job: &AssetJob) -> Self {
+        Self { asset: job.name.clone(), kind: job.kind, source: job.declared.clone(), ..Self::default() }
+    }
+
+    fn new(job: &AssetJob, result: &Result<MadeAsset, JobError>) -> Self {
+        match result {
+            Ok(made) => Self {
+                pack: Some(FileEntry { file: job.file(), blake3: made.file }),
+                report: Some(made.report.clone()),
+                gates: made.gates.clone(),
+                cached: Some(made.times.is_none()),
+                stages: made.times.clone(),
+                ..Self::planned(job)
+            },
+            Err(error) => Self { error: Some(error.to_string()), ..Self::planned(job) },
+        }
     }
 }
 
@@ -244,13 +306,19 @@ impl BuildReport {
         });
         Self {
             materials: materials.collect(),
+            assets: plan
+                .assets
+                .iter()
+                .zip(&outcomes.assets)
+                .map(|(job, made)| AssetEntry::new(job, &made.result))
+                .collect(),
             environment: environment.map(|(job, result)| environment_entry(job, result)),
             ..Self::empty(plan)
         }
     }
 
-    /// Reports a planned build. `known` are the materials that need not be made again.
-    pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>) -> Self {
+    /// Reports a planned build. `known` are the materials, and `known_assets` the other assets, that need not be made again.
+    pub fn planned(plan: &Plan, known: &BTreeMap<&str, Made>, known_assets: &BTreeMap<&str, MadeAsset>) -> Self {
         let materials = plan.jobs.iter().map(|job| {
             let known = known.get(job.name.as_str());
             let known_lobes = known.and_then(|made| made.maps.as_ref()?.lobes.as_ref());
@@ -267,7 +335,13 @@ impl BuildReport {
             }
         });
         let environment = plan.environment.as_ref().map(EnvironmentEntry::planned);
-        Self { materials: materials.collect(), environment, ..Self::empty(plan) }
+        let asset = |job: &AssetJob| {
+            let known = known_assets.get(job.name.as_str());
+            let (report, cached) = (known.map(|made| made.report.clone()), known.map(|_| true));
+            AssetEntry { report, cached, ..AssetEntry::planned(job) }
+        };
+        let assets = plan.assets.iter().map(asset).collect();
+        Self { materials: materials.collect(), assets, environment, ..Self::empty(plan) }
     }
 
     /// Removes details that differ between runs: times, and the paths of the manifest and the packs.
@@ -283,6 +357,12 @@ impl BuildReport {
                 plain(&mut entry.error, &job.input.to_string(), &job.declared);
             }
         }
+        for entry in &mut self.assets {
+            (entry.cached, entry.stages) = (None, None);
+            if let Some(job) = plan.asset(&entry.asset) {
+                plain(&mut entry.error, &job.path.display().to_string(), &job.declared);
+            }
+        }
         if let (Some(entry), Some(job)) = (&mut self.environment, &plan.environment) {
             (entry.cached, entry.stages) = (None, None);
             plain(&mut entry.error, &job.path.display().to_string(), &job.declared);
@@ -290,12 +370,14 @@ impl BuildReport {
         self
     }
 
-    /// Selects the entries that a build of the materials `asked` (names that are [`folded`]) retains: encoded materials of
-    /// other names, and the environment if the build has none.
+    /// Selects the entries that a build of the materials and assets `asked` (names that are [`folded`]) retains: those of other names
+    /// that were made, and the environment if the build has none.
     #[must_use]
     pub fn retained_with(mut self, asked: &BTreeSet<String>, environment: bool) -> Self {
         self.materials.retain(|entry| !asked.contains(&folded(&entry.material)) && !entry.files.is_empty());
         self.materials.iter_mut().for_each(|entry| entry.retained = true);
+        self.assets.retain(|entry| !asked.contains(&folded(&entry.asset)) && entry.pack.is_some());
+        self.assets.iter_mut().for_each(|entry| entry.retained = true);
         self.environment = self.environment.filter(|entry| !environment && !entry.files.is_empty());
         self.environment.iter_mut().for_each(|entry| entry.retained = true);
         self
@@ -306,6 +388,8 @@ impl BuildReport {
     pub fn with_retained(mut self, retained: Self) -> Self {
         self.materials.extend(retained.materials);
         self.materials.sort_by(|a, b| a.material.cmp(&b.material));
+        self.assets.extend(retained.assets);
+        self.assets.sort_by(|a, b| a.asset.cmp(&b.asset));
         self.environment = self.environment.or(retained.environment);
         self
     }
@@ -314,7 +398,8 @@ impl BuildReport {
     pub fn files(&self) -> impl Iterator<Item = &FileEntry> {
         let of_environment = self.environment.iter().flat_map(|entry| &entry.files);
         let of_materials = self.materials.iter().flat_map(|entry| entry.files.iter().chain(&entry.list));
-        of_materials.chain(of_environment)
+        let of_assets = self.assets.iter().flat_map(|entry| &entry.pack);
+        of_materials.chain(of_assets).chain(of_environment)
     }
 
     fn empty(plan: &Plan) -> Self {
@@ -323,6 +408,7 @@ impl BuildReport {
             version: BUILD_VERSION,
             scene,
             materials: Vec::new(),
+            assets: Vec::new(),
             environment: None,
             skipped,
             needs: Vec::new(),

@@ -1,5 +1,6 @@
 //! Batch builds: materials from folders, lists of files, and patterns.
 
+use super::assets::{Asset, AssetKind};
 use super::manifest::{Manifest, Material, Use};
 use super::names;
 use super::patterns::{Named, is_lost};
@@ -28,11 +29,11 @@ pub struct Found {
     pub others: Vec<PathBuf>,
 }
 
-/// Finds the sources that files, folders, patterns and addresses name. A folder stands for the measured materials in
-/// it, without subfolders and packs.
+/// Finds the sources that files, folders, patterns and addresses name. An RTI capture or a BTF in a folder is one source; any other
+/// folder stands for the measured materials and other assets in it, without packs.
 ///
 /// # Errors
-/// Returns an error if a folder cannot be listed or holds no material, or if no file matches a pattern.
+/// Returns an error if a folder cannot be listed or holds no material and no other asset, or if no file matches a pattern.
 pub fn find(inputs: &[Named]) -> Result<Found, Error> {
     let mut found = Found::default();
     let mut seen = BTreeSet::new();
@@ -40,7 +41,7 @@ pub fn find(inputs: &[Named]) -> Result<Found, Error> {
         let path = input.path();
         let several = if address_of(path.as_os_str()).is_some() {
             vec![path.into()]
-        } else if path.is_dir() {
+        } else if path.is_dir() && AssetKind::at(&path).is_none() {
             let (sources, others) = of_folder(&path)?;
             found.others.extend(others);
             sources
@@ -78,6 +79,14 @@ fn is_measured(path: &Path) -> bool {
     (path.is_file() || is_lost(path)) && Kind::of_name(path).is_brdf() && (!is_csv || has_values(path))
 }
 
+/// Returns true for a path in a folder that is an asset. Of images only Radiance files count: others may be pictures of materials.
+fn is_asset_among_others(path: &Path) -> bool {
+    match AssetKind::at(path) {
+        Some(AssetKind::Environment) => path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr")),
+        kind => kind.is_some(),
+    }
+}
+
 /// Returns true if the first bytes name a column that only scans have, or cannot be read: the reader reports the
 /// error then.
 fn has_values(path: &Path) -> bool {
@@ -95,19 +104,24 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
     for entry in std::fs::read_dir(folder).map_err(io)? {
         let path = entry.map_err(io)?.path();
         let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if !hidden && !path.is_dir() {
+        if !hidden && (!path.is_dir() || AssetKind::at(&path).is_some()) {
             files.push(path);
         }
     }
     files.sort();
-    let (measured, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_measured(path));
+    let (measured, others): (Vec<_>, Vec<_>) =
+        files.into_iter().partition(|path| is_measured(path) || is_asset_among_others(path));
     if measured.is_empty() {
         let found = match others.len() {
             0 => "no files".to_owned(),
-            1 => "no measured material, only one other file".to_owned(),
-            count => format!("no measured material, only {count} other files"),
+            1 => "no asset, only one other file".to_owned(),
+            count => format!("no asset, only {count} other files"),
         };
-        let allowed = format!("expected {}; name packs individually", files_but_for(PACKS));
+        let allowed = format!(
+            "expected {}, .ptm or .rti (RTI viewer), .btf (BTF), .hdr (environment), or folders of RTI captures and BTFs; name packs \
+             individually",
+            files_but_for(PACKS)
+        );
         return Err(Error::check(format!("{}: {found}; {allowed}", folder.display())));
     }
     Ok((measured.into_iter().map(OsString::from).collect(), others))
@@ -132,7 +146,7 @@ fn is_built(path: &Path) -> bool {
     Kind::of_name(path).is_ktx2() && path.parent().is_some_and(|folder| folder.join(crate::store::FOLDER).is_dir())
 }
 
-/// Creates a manifest of these sources, each with one use without limits. The names of the materials come from the
+/// Creates a manifest of these sources, with one use without limits for each material. The names of the materials come from the
 /// files.
 ///
 /// # Errors
@@ -142,15 +156,21 @@ pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, Error> {
     let mut names = Names::default();
     for source in sources {
         let name = names.add(source)?;
+        let kind = if address_of(source).is_some() { None } else { AssetKind::at(Path::new(source)) };
+        if let Some(kind) = kind {
+            manifest.assets.push(Asset { name, kind, source: source.clone(), ..Asset::default() });
+            continue;
+        }
         let material = Material { source: source.clone(), ..Material::default() };
         manifest.materials.insert(name.clone(), material);
         manifest.uses.push(Use::of(Spanned::new(0..0, name)));
     }
+    manifest.assets.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(manifest)
 }
 
 impl Manifest {
-    /// Paths and patterns of the used materials and of the environment. `folder` is the folder of the manifest.
+    /// Paths and patterns of the used materials, of the other assets and of the environment. `folder` is the folder of the manifest.
     pub fn inputs(&self, folder: &Path) -> Vec<Named> {
         let used = self.uses.iter().filter_map(|used| self.materials.get(used.material.get_ref()));
         let sources = used.map(|material| &material.source).filter(|source| address_of(source).is_none());
@@ -158,7 +178,9 @@ impl Manifest {
         let environment = self.scene.environment.iter().map(|file| Named::new(folder.join(file), ""));
         let textures = self.uses.iter().filter_map(|used| used.texture.as_ref());
         let textures = textures.map(|texture| Named::new(folder.join(texture.get_ref()), ""));
-        sources.map(|source| Named::new(folder, source)).chain(textures).chain(environment).collect()
+        // Sources of assets are no patterns, either.
+        let assets = self.assets.iter().map(|asset| Named::new(folder.join(&asset.source), ""));
+        sources.map(|source| Named::new(folder, source)).chain(textures).chain(environment).chain(assets).collect()
     }
 
     /// Expands patterns: replaces each material whose source is a pattern with one material per matching file, and

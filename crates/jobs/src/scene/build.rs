@@ -1,5 +1,6 @@
 //! A build from a plan to the files and the report in the output folder.
 
+use super::assets::MadeAsset;
 use super::error::JobError;
 use super::memory;
 use super::plan::{Plan, REPORT, list_name};
@@ -97,7 +98,8 @@ pub fn build(plan: &Plan, settings: &BuildSettings, progress: &dyn Progress) -> 
     }
     let mut report = BuildReport::new(plan, &outcomes);
     let broken = outcomes.errors().next().is_some();
-    let failed = broken || !outcomes.materials.iter().all(Outcome::passed);
+    let passed = outcomes.materials.iter().all(|one| one.passed()) && outcomes.assets.iter().all(|one| one.passed());
+    let failed = broken || !passed;
     let unwritten = outcomes.errors().any(|error| matches!(error, JobError::Store(_)));
     if settings.fail_fast && failed || settings.whole && broken || unwritten {
         return Ok(Built { outcomes, report, changes: None });
@@ -152,7 +154,8 @@ fn retained(
             }
         },
     };
-    let asked: BTreeSet<String> = plan.jobs.iter().map(|job| folded(&job.name)).collect();
+    let names = plan.jobs.iter().map(|job| &job.name).chain(plan.assets.iter().map(|job| &job.name));
+    let asked: BTreeSet<String> = names.map(|name| folded(name)).collect();
     let report = earlier.retained_with(&asked, plan.environment.is_some());
     let lists = report.materials.iter().filter_map(|entry| Some((entry.list.as_ref()?, entry.file()?.to_bytes())));
     let lists: BTreeMap<&str, Vec<u8>> = lists
@@ -269,6 +272,9 @@ fn files(plan: &Plan, outcomes: &Outcomes, report: BuildReport) -> Vec<(String, 
             files.push((part_name(name, part), Contents::Cached(*digest)));
         }
     }
+    for (job, outcome) in plan.assets.iter().zip(&outcomes.assets) {
+        files.extend(outcome.result.iter().map(|made| (job.file(), Contents::Cached(made.file))));
+    }
     if let (Some(job), Some(Ok(made))) = (&plan.environment, &outcomes.environment) {
         files.extend(job.files().zip(made.files.iter().map(|digest| Contents::Cached(*digest))));
     }
@@ -288,15 +294,23 @@ impl Outcome {
     }
 }
 
+impl Outcome<MadeAsset> {
+    /// Returns true if the asset was made, meets its target and passes all gates.
+    pub fn passed(&self) -> bool {
+        self.result.as_ref().is_ok_and(MadeAsset::passed)
+    }
+}
+
 impl Outcomes {
     /// The materials that were made, by name.
     pub fn made(&self) -> impl Iterator<Item = (&str, &Made)> {
         self.materials.iter().filter_map(|outcome| Some((outcome.name.as_str(), outcome.result.as_ref().ok()?)))
     }
 
-    /// Errors of the materials and of the environment.
+    /// Errors of the materials, of the other assets and of the environment.
     pub fn errors(&self) -> impl Iterator<Item = &JobError> {
         let environment = self.environment.iter().filter_map(|result| result.as_ref().err());
-        self.materials.iter().filter_map(|outcome| outcome.result.as_ref().err()).chain(environment)
+        let assets = self.assets.iter().filter_map(|outcome| outcome.result.as_ref().err());
+        self.materials.iter().filter_map(|outcome| outcome.result.as_ref().err()).chain(assets).chain(environment)
     }
 }

@@ -1,5 +1,6 @@
 //! Packs and maps of a scene from an output folder. Parts that are not current are made.
 
+use super::assets::{AssetJob, MadeAsset};
 use super::build::known_folder;
 use super::error::JobError;
 use super::maps::part_name;
@@ -68,6 +69,11 @@ impl PackFolder {
     /// Returns a material if it is current.
     pub fn known(&self, job: &Job) -> Option<Made> {
         self.context().known(job)
+    }
+
+    /// Returns an asset that is no material if it is current.
+    pub fn known_asset(&self, job: &AssetJob) -> Option<MadeAsset> {
+        self.context().known_asset(job)
     }
 
     /// Returns a material if it was made from the source with this hash.

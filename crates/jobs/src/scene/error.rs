@@ -1,7 +1,7 @@
 //! Errors of jobs.
 
 use crate::encode::{EncodeError, Message};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use brdfc_core::progress::Cancelled;
 use brdfc_formats::FormatError;
 use brdfc_lobes::LobesError;
@@ -22,6 +22,9 @@ pub enum JobError {
     /// A map breaks the rules of its own layout: a bug of the program.
     #[error("{0}")]
     Map(FormatError),
+    /// An asset that is no material cannot be made.
+    #[error(transparent)]
+    Asset(Error),
     /// A file of the store cannot be written.
     #[error(transparent)]
     Store(Error),
@@ -30,7 +33,7 @@ pub enum JobError {
 impl JobError {
     /// Returns true if the job was cancelled, because another failed or the caller asked to stop.
     pub fn is_cancelled(&self) -> bool {
-        matches!(self, Self::Cancelled(_))
+        matches!(self, Self::Cancelled(_)) || matches!(self, Self::Asset(error) if error.kind() == ErrorKind::Cancelled)
     }
 
     /// The message with the positions of the keys of options.
@@ -67,7 +70,7 @@ impl From<JobError> for Error {
             JobError::Encode(error) => error.into(),
             JobError::Cancelled(cancelled) => cancelled.into(),
             JobError::Map(error) => Self::own_layout(error),
-            JobError::Store(error) => error,
+            JobError::Store(error) | JobError::Asset(error) => error,
         }
     }
 }

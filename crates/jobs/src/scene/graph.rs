@@ -23,11 +23,11 @@ pub struct Graph {
 pub struct GraphJob {
     /// Name of the job: material and part.
     pub name: String,
-    /// Name of the material; absent for the environment.
+    /// Name of the material or of another asset; absent for the environment.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
     /// Part that the job makes: `brdf` is the pack, `lobes` are the lobes, `maps` are the bandwidth map and the samples, or the
-    /// maps of the environment.
+    /// maps of the environment; `pwt` and `environment` are packs of other assets.
     pub part: String,
     /// Paths of the files that the job reads: the manifest, the source and a texture.
     pub inputs: Vec<String>,
@@ -75,8 +75,7 @@ impl Graph {
         let manifest = places.manifest.as_ref().map(|path| path.display().to_string());
         let jobs = plan.works().into_iter().map(|work| {
             let name = work.name();
-            let sources = [Some(work.source()), work.texture()].into_iter().flatten();
-            let sources = sources.filter(|source| Path::new(source).exists());
+            let sources = work.sources().into_iter().filter(|source| Path::new(source).exists());
             GraphJob {
                 material: work.material().map(str::to_owned),
                 part: work.part().to_owned(),

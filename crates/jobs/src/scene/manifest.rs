@@ -3,6 +3,7 @@
 pub use super::place::{ManifestError, line_of, near_miss};
 pub use super::uses::Use;
 
+use super::assets::{Asset, AssetKind};
 use super::gates::Require;
 use super::lobes::{LOBES, LobesLimits, with_hint};
 use super::names::{check_name, same_file};
@@ -15,9 +16,12 @@ use super::uses::USE_KEYS;
 use crate::encode::OptionError;
 use crate::encode::{EncodeOptions, PackRecipe, codec_names, range_of};
 use crate::keys::keys_of;
+use crate::pwt::PwtOptions;
 use brdfc_core::Smooth;
+use brdfc_core::address::is_synth;
 use brdfc_core::words::{one_of, quoted};
 use brdfc_source::Reading;
+use brdfc_source::photograph::CodeValues;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -34,6 +38,8 @@ pub struct Manifest {
     pub defaults: Defaults,
     /// Materials by the names that uses refer to.
     pub materials: BTreeMap<String, Material>,
+    /// RTI captures, BTFs and environments, sorted by name. All are built.
+    pub assets: Vec<Asset>,
     /// Uses of the materials.
     pub uses: Vec<Use>,
     /// Settings of `brdfc render`.
@@ -136,6 +142,13 @@ impl Manifest {
                 manifest.materials.insert(name, Material { source, line, reading, options, require, lobes });
             }
         }
+        for kind in AssetKind::ALL {
+            let Some(DeValue::Table(tables)) = root.remove(kind.heading()).map(Spanned::into_inner) else { continue };
+            for (name, table) in tables {
+                manifest.assets.push(asset(kind, name.into_inner().into_owned(), table)?);
+            }
+        }
+        manifest.assets.sort_by(|a, b| a.name.cmp(&b.name));
         let PlainTables { scene, uses, render } = PlainTables::deserialize(Deserializer::from(tree))?;
         Ok(Self { scene, uses, render, ..manifest })
     }
@@ -159,18 +172,10 @@ impl Manifest {
         lobes
             .resolve(&LobesLimits::default())
             .map_err(|p| error(line(&["defaults", LOBES, p.field]), "defaults.lobes", p))?;
-        if let Some((first, second)) = same_file(self.materials.keys().map(String::as_str)) {
-            let wrong = format!(
-                "\"{first}\" and \"{second}\" are one file on some systems; choose names that differ in more than case \
-                 and accent encoding"
-            );
-            return Err(place.error(&["materials", second], String::new(), &wrong));
-        }
+        self.check_names(&place)?;
+        self.check_assets(&place)?;
         for (name, material) in &self.materials {
             let prefix = format!("materials.{name}");
-            if let Err(allowed) = check_name(name, self.scene.environment.is_some()) {
-                return Err(place.error(&["materials", name], format!("the name \"{name}\""), &allowed));
-            }
             if material.source.is_empty() {
                 let wrong = format!("no source; expected source = \"...\", {SOURCES}");
                 return Err(place.error(&["materials", name], String::new(), &wrong));
@@ -209,6 +214,69 @@ impl Manifest {
         }
         Ok(())
     }
+
+    /// Checks that the names of materials and assets are file names that differ.
+    fn check_names(&self, place: &Place<'_>) -> Result<(), ManifestError> {
+        let materials = self.materials.keys().map(|name| ("materials", name));
+        let assets = self.assets.iter().map(|asset| (asset.kind.heading(), &asset.name));
+        let named: Vec<(&str, &String)> = materials.chain(assets).collect();
+        for (heading, name) in &named {
+            if let Err(allowed) = check_name(name, self.scene.environment.is_some()) {
+                return Err(place.error(&[heading, name], format!("the name \"{name}\""), &allowed));
+            }
+        }
+        let Some((first, second)) = same_file(named.iter().map(|(_, name)| name.as_str())) else { return Ok(()) };
+        let headings: Vec<&str> =
+            named.iter().filter(|(_, name)| *name == second).map(|(heading, _)| *heading).collect();
+        let wrong = if first == second {
+            format!("[{}.{first}] has this name, too; choose names that differ", headings[0])
+        } else {
+            format!(
+                "\"{first}\" and \"{second}\" are one file on some systems; choose names that differ in more than case \
+                 and accent encoding"
+            )
+        };
+        Err(place.error(&[headings[headings.len() - 1], second], String::new(), &wrong))
+    }
+
+    /// Checks sources and options of assets.
+    fn check_assets(&self, place: &Place<'_>) -> Result<(), ManifestError> {
+        for asset in &self.assets {
+            let (heading, name) = (asset.kind.heading(), asset.name.as_str());
+            if asset.source.is_empty() {
+                let wrong = format!("no source; expected source = \"...\", {}", asset.kind.inputs());
+                return Err(place.error(&[heading, name], String::new(), &wrong));
+            }
+            let source = asset.source.to_string_lossy();
+            if source == "-" || is_synth(&source) {
+                let allowed = asset.kind.inputs();
+                return Err(place.error(&[heading, name, "source"], quoted(&source), allowed));
+            }
+            let error = |within: &str, error: OptionError| {
+                let OptionError { field, found, allowed } = error;
+                let line = line_of_key(place.text, place.tree, &[heading, name, field]);
+                ManifestError::new(line, format!("{heading}.{name}.{within}{field}"), found, allowed.to_string())
+            };
+            asset.recipe().map_err(|problem| error("", problem))?;
+            asset.require.resolve(&Require::default()).map_err(|problem| error("require.", problem))?;
+        }
+        Ok(())
+    }
+}
+
+/// Reads the table of an asset.
+fn asset(kind: AssetKind, name: String, table: Spanned<DeValue<'_>>) -> Result<Asset, toml::de::Error> {
+    let span = table.span();
+    let mut table = match table.into_inner() {
+        DeValue::Table(table) => table,
+        _ => DeTable::new(),
+    };
+    let source = table.remove("source").map(one::<String>).transpose()?.unwrap_or_default().into();
+    let require = table.remove("require").map(one::<Require>).transpose()?.unwrap_or_default();
+    let photographs = table.remove("photographs").map(one::<CodeValues>).transpose()?;
+    let side = table.remove("side").map(one::<u32>).transpose()?;
+    let options = PwtOptions::deserialize(Deserializer::from(Spanned::new(span, table)))?;
+    Ok(Asset { name, kind, source, photographs, options, side, require })
 }
 
 /// Reads the table of a material or of the defaults: `source`, settings of reading, encoding options, and the tables `require` and `lobes`.
@@ -257,9 +325,38 @@ fn all_keys() -> Vec<Key> {
         key("scene", Shape::Table(SCENE_KEYS.into()), ""),
         key("defaults", Shape::Table(defaults.into()), ""),
         key("materials", Shape::NamedTables(material.into()), ""),
+        asset_keys(AssetKind::RtiCapture),
+        asset_keys(AssetKind::Btf),
+        asset_keys(AssetKind::Environment),
         key("uses", Shape::Tables(USE_KEYS), ""),
         key("render", Shape::Table(RENDER_KEYS.into()), ""),
     ]
+}
+
+/// Keys of the tables of assets.
+fn asset_keys(kind: AssetKind) -> Key {
+    let of_kind: Vec<Key> = match kind {
+        AssetKind::RtiCapture | AssetKind::Btf => {
+            let options = keys_of::<PwtOptions>().iter().map(|name| pwt_key(name));
+            options.chain([key("photographs", Shape::Text, "linear or srgb")]).collect()
+        }
+        AssetKind::Environment => vec![key("side", Shape::WholeNumber, "")],
+    };
+    let require: Vec<Key> = kind.limits().iter().map(|name| option_key(name)).collect();
+    let common = [key("source", Shape::Text, ""), key("require", Shape::Table(require.into()), "")];
+    key(kind.heading(), Shape::NamedTables([&common[..], &of_kind].concat().into()), "")
+}
+
+/// The key of an option of polynomial wavelet trees.
+fn pwt_key(name: &'static str) -> Key {
+    let shape = match name {
+        "max_bytes" => Shape::Bytes,
+        "energy" => Shape::Share,
+        "terms" | "domain" | "wavelet" => Shape::Text,
+        "degree" | "max_fetches" | "levels" | "packets" => Shape::WholeNumber,
+        _ => Shape::Number,
+    };
+    key(name, shape, "")
 }
 
 /// The key of an encoding option or a gate.

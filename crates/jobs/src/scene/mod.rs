@@ -1,5 +1,6 @@
 //! Scenes: builds of packs from a manifest or a list of files.
 
+pub mod assets;
 pub mod batch;
 pub mod build;
 pub mod current;

@@ -1,5 +1,6 @@
 //! Build plans: the materials of a scene with their sources and recipes.
 
+use super::assets::{self, AssetJob};
 use super::batch::address_of;
 use super::gates::Gates;
 use super::lobes::{LOBES, with_hint};
@@ -95,6 +96,8 @@ pub struct Plan {
     pub scene: String,
     /// Jobs of the materials, sorted by name.
     pub jobs: Vec<Job>,
+    /// Jobs of the assets that are no materials, sorted by name.
+    pub assets: Vec<AssetJob>,
     /// Job of the environment; `None` if the scene needs none of its maps.
     pub environment: Option<EnvironmentJob>,
     /// True if the scene has an environment, even if its maps are not needed.
@@ -106,7 +109,7 @@ pub struct Plan {
 impl Plan {
     /// Returns true if there is nothing to make.
     pub fn is_empty(&self) -> bool {
-        self.jobs.is_empty() && self.environment.is_none()
+        self.jobs.is_empty() && self.assets.is_empty() && self.environment.is_none()
     }
 
     /// The job of a material.
@@ -114,11 +117,17 @@ impl Plan {
         self.jobs.binary_search_by(|job| job.name.as_str().cmp(name)).ok().map(|at| &self.jobs[at])
     }
 
+    /// The job of an asset.
+    pub fn asset(&self, name: &str) -> Option<&AssetJob> {
+        self.assets.iter().find(|job| job.name == name)
+    }
+
     /// Paths of all sources that are files.
     pub fn sources(&self) -> impl Iterator<Item = &Path> {
         let environment = self.environment.iter().map(|job| job.path.as_path());
         let textures = self.jobs.iter().filter_map(|job| Some(job.texture.as_ref()?.path.as_path()));
-        self.jobs.iter().filter_map(|job| job.input.path()).chain(textures).chain(environment)
+        let assets = self.assets.iter().flat_map(|job| &job.files).map(PathBuf::as_path);
+        self.jobs.iter().filter_map(|job| job.input.path()).chain(textures).chain(environment).chain(assets)
     }
 
     /// Names of the files that a build writes into its output folder.
@@ -128,7 +137,8 @@ impl Plan {
             let maps = job.lighting_parts().map(|part| part_name(&job.name, part));
             [pack_name(&job.name), list_name(&job.name)].into_iter().chain(maps).collect::<Vec<_>>()
         };
-        self.jobs.iter().flat_map(of_job).chain(environment).chain([REPORT.to_owned()])
+        let assets = self.assets.iter().map(AssetJob::file);
+        self.jobs.iter().flat_map(of_job).chain(assets).chain(environment).chain([REPORT.to_owned()])
     }
 }
 
@@ -171,6 +181,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let mut plan = Plan {
         scene,
         jobs: Vec::new(),
+        assets: assets::jobs(manifest, folder)?,
         environment,
         has_environment: manifest.scene.environment.is_some(),
         skipped: Vec::new(),

@@ -3,6 +3,7 @@
 
 pub use super::error::JobError;
 
+use super::assets::{AssetJob, MadeAsset};
 use super::gates;
 use super::grid_cache::StoreGridCache;
 use super::lobes::{LOBES, LobesReport, material_lobes};
@@ -37,17 +38,19 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 pub struct Outcomes {
     /// Results of the materials, in the order of the plan.
     pub materials: Vec<Outcome>,
+    /// Results of the assets that are no materials, in the order of the plan.
+    pub assets: Vec<Outcome<MadeAsset>>,
     /// Result of the environment; `None` if the plan has none.
     pub environment: Option<Result<MadeEnvironment, JobError>>,
 }
 
-/// Result of one material.
+/// Result of one material or of another asset.
 #[derive(Debug)]
-pub struct Outcome {
-    /// Name of the material.
+pub struct Outcome<T = Made> {
+    /// Its name.
     pub name: String,
     /// Report and times, or the error.
-    pub result: Result<Made, JobError>,
+    pub result: Result<T, JobError>,
 }
 
 /// A material whose files are in the store.
@@ -123,7 +126,26 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
     let same = |k: usize| plan.jobs[..k].iter().position(|job| job.is_same_work(&plan.jobs[k]));
     let twins: Vec<Option<usize>> = (0..plan.jobs.len()).map(same).collect();
     let environment = Mutex::new(None);
-    let made = in_turn(first + plan.jobs.len(), |number| {
+    let assets: Mutex<Vec<Option<Result<MadeAsset, JobError>>>> =
+        Mutex::new(plan.assets.iter().map(|_| None).collect());
+    let last = first + plan.jobs.len();
+    let made = in_turn(last + plan.assets.len(), |number| {
+        if let Some(number) = number.checked_sub(last) {
+            let job = &plan.assets[number];
+            let part = progress.part(&job.name);
+            let result = if stop.load(Ordering::Relaxed) {
+                Err(JobError::Cancelled(Cancelled))
+            } else {
+                let result = context.asset(job, &shared, part.as_ref());
+                part.finished(result.is_ok());
+                result
+            };
+            if context.fail_fast && !result.as_ref().is_ok_and(MadeAsset::passed) {
+                stop.store(true, Ordering::Relaxed);
+            }
+            assets.lock().expect("no thread panics while it holds the lock")[number] = Some(result);
+            return None;
+        }
         let Some(number) = number.checked_sub(first) else {
             let job = plan.environment.as_ref()?;
             let part = progress.part(ENVIRONMENT);
@@ -167,7 +189,11 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
         let result = result.unwrap_or_else(of_twin);
         materials.push(Outcome { name: job.name.clone(), result });
     }
-    Outcomes { materials, environment: environment.into_inner().expect("no thread panics while it holds the lock") }
+    let assets = assets.into_inner().expect("no thread panics while it holds the lock");
+    let asset = |(job, result): (&AssetJob, Option<_>)| Some(Outcome { name: job.name.clone(), result: result? });
+    let assets = plan.assets.iter().zip(assets).filter_map(asset).collect();
+    let environment = environment.into_inner().expect("no thread panics while it holds the lock");
+    Outcomes { materials, assets, environment }
 }
 
 /// Runs `work` for 0 to `count`, one item per thread at a time, and returns the results in that order.

@@ -1,6 +1,7 @@
 //! Watches the input files of a build: detects changed, new and removed files, and waits until writes to them are
 //! complete.
 
+use super::assets::files_of;
 use super::batch::{address_of, find, given};
 use super::manifest::Manifest;
 use super::patterns::Named;
@@ -117,7 +118,8 @@ impl Watched {
             // The build reports errors of inputs.
             let Ok(found) = find(std::slice::from_ref(input)) else { continue };
             let matched = input.is_pattern();
-            let paths = found.sources.iter().filter(|source| address_of(source).is_none()).map(PathBuf::from);
+            let sources = found.sources.iter().filter(|source| address_of(source).is_none());
+            let paths = sources.flat_map(|source| files_of(Path::new(source)));
             for path in paths.filter(|path| !(matched && self.is_own(path))) {
                 let stamp = stamp(&path);
                 files.insert(path, stamp);

@@ -1,6 +1,7 @@
 //! Distributed builds: each part of each material is a work item that any machine can make and store. A build that
 //! finds all items in its store only puts the files in place.
 
+use super::assets::AssetJob;
 use super::error::JobError;
 use super::lobes::LOBES;
 use super::memory::Shared;
@@ -8,6 +9,7 @@ use super::plan::{EnvironmentJob, Job, Plan};
 use super::run::{BuildContext, PACK, RequestedParts, in_turn};
 use super::scene_section::ENVIRONMENT;
 use brdfc_core::progress::Progress;
+use std::path::Path;
 use std::str::FromStr;
 
 /// Name of the maps for adaptive shading among the parts of a material.
@@ -24,37 +26,41 @@ pub enum Work<'a> {
     Maps(&'a Job),
     /// The maps of the environment.
     Environment(&'a EnvironmentJob),
+    /// The pack of an asset that is no material.
+    Asset(&'a AssetJob),
 }
 
 impl Work<'_> {
-    /// Name of the item: `MATERIAL.brdf`, `MATERIAL.lobes`, `MATERIAL.maps` or `environment.maps`.
+    /// Name of the item: `MATERIAL.brdf`, `MATERIAL.lobes`, `MATERIAL.maps`, `ASSET.pwt`, `ASSET.environment` or `environment.maps`.
     pub fn name(&self) -> String {
         match self {
             Self::Pack(job) => format!("{}.{PACK}", job.name),
             Self::Lobes(job) => format!("{}.{LOBES}", job.name),
             Self::Maps(job) => format!("{}.{MAPS}", job.name),
             Self::Environment(_) => format!("{ENVIRONMENT}.{MAPS}"),
+            Self::Asset(job) => format!("{}.{}", job.name, self.part()),
         }
     }
 
-    /// Path or address of its source.
-    pub fn source(&self) -> String {
+    /// Paths of the files that it reads, or the address of its source.
+    pub fn sources(&self) -> Vec<String> {
+        let of_path = |path: &Path| path.display().to_string();
         match self {
-            Self::Pack(job) | Self::Lobes(job) | Self::Maps(job) => job.input.to_string(),
-            Self::Environment(job) => job.path.display().to_string(),
+            Self::Pack(job) | Self::Lobes(job) => vec![job.input.to_string()],
+            Self::Maps(job) => {
+                let texture = job.texture.iter().map(|texture| of_path(&texture.path));
+                [job.input.to_string()].into_iter().chain(texture).collect()
+            }
+            Self::Environment(job) => vec![of_path(&job.path)],
+            Self::Asset(job) => job.files.iter().map(|path| of_path(path)).collect(),
         }
     }
 
-    /// Path of the texture that it reads besides the source.
-    pub fn texture(&self) -> Option<String> {
-        let Self::Maps(job) = self else { return None };
-        job.texture.as_ref().map(|texture| texture.path.display().to_string())
-    }
-
-    /// Name of the material; `None` for the environment.
+    /// Name of the material or of the asset; `None` for the environment.
     pub fn material(&self) -> Option<&str> {
         match self {
             Self::Pack(job) | Self::Lobes(job) | Self::Maps(job) => Some(&job.name),
+            Self::Asset(job) => Some(&job.name),
             Self::Environment(_) => None,
         }
     }
@@ -65,6 +71,7 @@ impl Work<'_> {
             Self::Pack(_) => PACK,
             Self::Lobes(_) => LOBES,
             Self::Maps(_) | Self::Environment(_) => MAPS,
+            Self::Asset(job) => job.kind.pack().name(),
         }
     }
 }
@@ -82,6 +89,7 @@ impl Plan {
             works.extend(job.lobes.map(|_| Work::Lobes(job)));
             works.extend(job.has_maps().then_some(Work::Maps(job)));
         }
+        works.extend(self.assets.iter().map(Work::Asset));
         works
     }
 }
@@ -129,6 +137,7 @@ pub fn make(works: &[Work<'_>], context: &BuildContext<'_>, progress: &dyn Progr
             Work::Lobes(job) => context.made_part(job, RequestedParts::LOBES, &shared, part.as_ref()),
             Work::Maps(job) => context.made_part(job, RequestedParts::MAPS, &shared, part.as_ref()),
             Work::Environment(job) => context.environment(job, &shared, part.as_ref()).map(|made| made.times.is_some()),
+            Work::Asset(job) => context.asset(job, &shared, part.as_ref()).map(|made| made.times.is_some()),
         };
         part.finished(result.is_ok());
         result

@@ -35,7 +35,8 @@ const ADOBE_RGB: [[f64; 2]; 3] = [[0.64, 0.33], [0.21, 0.71], [0.15, 0.06]];
 const ADOBE_RGB_GAMMA: f64 = 563.0 / 256.0;
 
 /// Meaning of code values in spite of what files state; the primaries are those of Rec. 709.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CodeValues {
     /// Proportional to light.
     Linear,

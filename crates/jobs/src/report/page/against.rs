@@ -1,7 +1,8 @@
 //! Regressions of a build against an earlier one.
 
-use crate::report::build::{BuildReport, MaterialEntry};
+use crate::report::build::{AssetEntry, BuildReport, MaterialEntry};
 use crate::report::material::MaterialReport;
+use crate::scene::assets::AssetReport;
 use crate::scene::lobes::LobesReport;
 use crate::scene::scene_section::ENVIRONMENT;
 use brdfc_metrics::compare::is_black;
@@ -47,6 +48,9 @@ const NEGLIGIBLE: [(&str, f64); 7] = [
 const NEGLIGIBLE_OF_LOBES: [(&str, f64); 3] =
     [("mean ΔE of lobes", 1e-2), ("ΔE of lobes, 95th percentile", 4e-2), ("look-ups of lobes", 0.0)];
 
+/// The same for assets that are no materials.
+const NEGLIGIBLE_OF_ASSETS: [(&str, f64); 3] = [("mean ΔE", 1e-2), ("bytes on the GPU", 0.0), ("fetches", 0.0)];
+
 fn figures_of_lobes(lobes: &LobesReport) -> [f64; 3] {
     [lobes.facts.delta_e.mean, lobes.facts.delta_e.p95, lobes.facts.fetches as f64]
 }
@@ -78,7 +82,8 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
     let (in_new, in_old) = (by_name(new), by_name(old));
     let mut found = Vec::new();
     // A build without packs has no figures to compare with.
-    if old.materials.iter().all(|entry| entry.report.is_none()) {
+    let no_assets = old.assets.iter().all(|entry| entry.report.is_none());
+    if no_assets && old.materials.iter().all(|entry| entry.report.is_none()) {
         found.push(only("all materials", "earlier build", "no packs", "nothing to compare with"));
     }
     for now in &new.materials {
@@ -94,6 +99,13 @@ pub fn regressions(new: &BuildReport, old: &BuildReport, tolerance: f64) -> Vec<
     if let (Some(true), now @ (None | Some(false))) = (map(old), map(new)) {
         let error = new.environment.as_ref().and_then(|entry| entry.error.as_deref()).unwrap_or("not made");
         found.push(only(ENVIRONMENT, "maps", "made", if now.is_none() { "missing" } else { error }));
+    }
+    for now in &new.assets {
+        let was = old.assets.iter().find(|was| was.asset == now.asset);
+        regressions_of_asset(was, Some(now), tolerance, &mut found);
+    }
+    for was in old.assets.iter().filter(|was| new.assets.iter().all(|now| now.asset != was.asset)) {
+        regressions_of_asset(Some(was), None, tolerance, &mut found);
     }
     for before in &old.materials {
         let now = in_new.get(&before.material).map(|number| &new.materials[*number]);
@@ -152,6 +164,45 @@ fn regression(entry: &MaterialEntry, figure: &str, before: &str, now: &str) -> R
         before: before.to_owned(),
         now: now.to_owned(),
         growth: None,
+    }
+}
+
+/// Regressions of an asset that is no material.
+fn regressions_of_asset(
+    was: Option<&AssetEntry>,
+    now: Option<&AssetEntry>,
+    tolerance: f64,
+    found: &mut Vec<Regression>,
+) {
+    let before = was.and_then(|was| was.report.as_ref());
+    let Some(name) = now.or(was).map(|entry| entry.asset.as_str()) else { return };
+    let Some((now, is)) = now.and_then(|now| Some((now, now.report.as_ref()?))) else {
+        let error = now.and_then(|now| now.error.as_deref()).unwrap_or("missing");
+        // An asset that failed before, too, has no figures to compare.
+        if before.is_some() || was.is_none() {
+            found.push(only(name, "asset", if before.is_some() { "made" } else { "missing" }, error));
+        }
+        return;
+    };
+    for gate in now.gates.iter().filter(|gate| !gate.passed) {
+        let gates = was.map_or(&[][..], |was| &was.gates);
+        let was = gates.iter().find(|other| other.gate == gate.gate && !other.passed);
+        found.push(only(name, &gate.gate, was.map_or("passed", |was| &was.found), &gate.found));
+    }
+    if let Some(text) = &is.missed {
+        let was = if before.is_some_and(|before| before.missed.is_some()) { "missed" } else { "met" };
+        found.push(only(name, "limits", was, text));
+    }
+    if let Some(was) = before {
+        // ΔE without anything to measure is worse than any number.
+        let figures = |report: &AssetReport| {
+            [
+                report.delta_e.or(report.psnr.map(|_| f64::NAN)).unwrap_or(0.0),
+                report.bytes_on_gpu as f64,
+                report.fetches.map_or(0.0, f64::from),
+            ]
+        };
+        grown(name, NEGLIGIBLE_OF_ASSETS.into_iter().zip(figures(was)).zip(figures(is)), tolerance, found);
     }
 }
 
@@ -219,6 +270,7 @@ mod tests {
             version: crate::report::build::BUILD_VERSION,
             scene: "s".into(),
             materials,
+            assets: Vec::new(),
             environment: None,
             skipped: Vec::new(),
             needs: Vec::new(),

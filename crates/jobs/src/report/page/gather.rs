@@ -1,12 +1,13 @@
 //! Gathers the contents of a page: the report in a folder, its packs, and their sources if they still exist.
 
 use super::against::{Regression, regressions};
+use super::assets::{PageAsset, page_asset};
 use super::evidence::{Evidence, LitBall, ThumbnailScenes, evidence};
 use super::parts::{PagePart, listed_pack, map_part, wrong_kind};
 use super::view_link::{ViewLink, escaped};
 use crate::error::Error;
 use crate::output_folder::OutputFolder;
-use crate::report::build::{BuildReport, EnvironmentEntry, MaterialEntry};
+use crate::report::build::{AssetEntry, BuildReport, EnvironmentEntry, MaterialEntry};
 use crate::scene::build::{BuiltNote, notes};
 use crate::scene::plan::REPORT;
 use crate::scene::run::{kind_of, opened_with_digest};
@@ -26,6 +27,8 @@ pub struct Page {
     pub scene: String,
     /// Materials of the scene, sorted by name.
     pub materials: Vec<PageMaterial>,
+    /// RTI captures, BTFs and environments, sorted by name.
+    pub assets: Vec<PageAsset>,
     /// The environment that lights the scene, with its maps.
     pub environment: Option<(EnvironmentEntry, Vec<PagePart>)>,
     /// Materials that no use refers to.
@@ -36,7 +39,7 @@ pub struct Page {
     pub regressions: Vec<Regression>,
     /// The viewer page to link to.
     pub view: Option<ViewLink>,
-    /// Number of materials that are left out because they passed.
+    /// Number of materials and assets that are left out because they passed.
     pub left_out: usize,
     /// Names of the pages with the renderings of [`PER_PAGE`] materials each; empty if this page has them.
     pub parts: Vec<String>,
@@ -141,9 +144,10 @@ impl Reports {
         named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
     }
 
-    /// Number of materials of the page.
+    /// Number of materials and assets of the page.
     pub fn count(&self) -> usize {
-        self.new.materials.iter().filter(|entry| !self.only_missed || !entry.passed()).count()
+        let materials = self.new.materials.iter().filter(|entry| !self.only_missed || !entry.passed()).count();
+        materials + self.new.assets.iter().filter(|entry| !self.only_missed || !entry.passed()).count()
     }
 }
 
@@ -178,8 +182,18 @@ pub fn gather(
         part.finished(material.is_ok());
         material
     };
-    let all = report.materials.len();
+    let all = report.materials.len() + report.assets.len();
     report.materials.retain(|entry| !only_missed || !entry.passed());
+    report.assets.retain(|entry| !only_missed || !entry.passed());
+    let asset = |entry: AssetEntry| {
+        progress.check()?;
+        let name = entry.asset.clone();
+        let part = progress.part(&name);
+        let asset = page_asset(folder, entry);
+        part.finished(asset.is_ok());
+        asset
+    };
+    let assets = report.assets.into_iter().map(asset).collect::<Result<Vec<_>, Error>>()?;
     let count = report.materials.len();
     let parts = if count > PER_PAGE { (1..=count.div_ceil(PER_PAGE)).collect() } else { Vec::new() };
     let mut page = Page {
@@ -190,7 +204,8 @@ pub fn gather(
         is_compared,
         regressions,
         view: options.view,
-        left_out: all - count,
+        left_out: all - count - assets.len(),
+        assets,
         parts: parts.into_iter().map(|part| part_name(options.name, part)).collect(),
     };
     let mut entries = report.materials.into_iter();

@@ -1,5 +1,6 @@
 //! HTML of a page about a build.
 
+use super::assets::assets;
 use super::evidence::Thumbnails;
 use super::figures::{albedos, error_over_bytes, errors_by_angle};
 use super::gather::{Page, PageMaterial};
@@ -17,11 +18,13 @@ use maud::{Markup, PreEscaped, html};
 
 /// Writes the page as HTML. Output is deterministic.
 pub fn html(page: &Page) -> String {
-    let failed = page.materials.iter().filter(|material| !material.entry.passed()).count();
+    let failed = page.materials.iter().filter(|material| !material.entry.passed()).count()
+        + page.assets.iter().filter(|asset| !asset.entry.passed()).count();
     let count = page.materials.len();
     let content = html! {
         p {
             @if count == 1 { "One material" } @else { (count) " materials" }
+            @match page.assets.len() { 0 => {} 1 => { ", one other asset" } others => { ", " (others) " other assets" } }
             @if page.left_out > 0 { "; " (page.left_out) " others passed and are left out" }
             @if failed > 0 { ", " span.bad { (failed) " of them failed or missed a requirement" } }
             ". ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
@@ -38,9 +41,11 @@ pub fn html(page: &Page) -> String {
             p { a href=(view.whole()) { "Open all packs in the viewer" } }
         }
         (regressions(page))
-        (table(page))
+        @if !page.materials.is_empty() { (table(page)) }
         (lobes(page))
-        @if page.parts.is_empty() {
+        (assets(&page.assets))
+        @if page.materials.is_empty() {
+        } @else if page.parts.is_empty() {
             h3 { "All packs" }
             (sheet(&page.materials))
             @for material in &page.materials { (section(material, page.view.as_ref())) }

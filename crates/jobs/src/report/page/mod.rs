@@ -1,6 +1,7 @@
 //! Report pages of builds and flat BTFs: one HTML file that needs no network and no scripts, and its figures as CSV and JSON.
 
 mod against;
+mod assets;
 mod csv;
 mod evidence;
 mod figures;
@@ -14,6 +15,7 @@ mod style;
 mod view_link;
 
 pub use against::{Regression, regressions};
+pub use assets::PageAsset;
 pub use csv::{CSV_HEADER, FLAT_CSV_HEADER, csv, flat_csv};
 pub use evidence::{Evidence, LitBall, ThumbnailScenes, Thumbnails, evidence};
 pub use flat::{FlatPage, flat_html};
@@ -23,7 +25,7 @@ pub use parts::PagePart;
 pub use sheet::sheet;
 pub use view_link::{ViewLink, source_name};
 
-use super::build::MaterialEntry;
+use super::build::{AssetEntry, MaterialEntry};
 use brdfc_metrics::by_angle::ByAngle;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -39,6 +41,9 @@ pub struct PageReport<'a> {
     pub regressions: &'a [Regression],
     /// Materials of the scene, sorted by name.
     pub materials: Vec<PageEntry<'a>>,
+    /// RTI captures, BTFs and environments, sorted by name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub assets: Vec<&'a AssetEntry>,
 }
 
 /// Figures of one material.
@@ -72,6 +77,13 @@ impl Page {
                 environment_noise: lit.and_then(|lit| lit.noise),
             }
         });
-        PageReport { version: 1, scene: &self.scene, regressions: &self.regressions, materials: materials.collect() }
+        let assets = self.assets.iter().map(|asset| &asset.entry);
+        PageReport {
+            version: 1,
+            scene: &self.scene,
+            regressions: &self.regressions,
+            materials: materials.collect(),
+            assets: assets.collect(),
+        }
     }
 }
