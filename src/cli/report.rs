@@ -137,7 +137,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let lines: String = page.regressions.iter().map(|worse| format!("{worse}\n")).collect();
         print(&lines)?;
     }
-    remark(common, &format!("{}: {}", output.display(), counted(page.materials.len(), "material")));
+    let materials = counted(page.materials.len(), "material");
+    let what = match page.assets.len() {
+        0 => materials,
+        assets => format!("{materials}, {}", counted(assets, "other asset")),
+    };
+    remark(common, &format!("{}: {what}", output.display()));
     match page.regressions.len() {
         0 => Ok(()),
         1 => Err(Error::check("one figure is worse than before or misses its limit")),

@@ -155,8 +155,8 @@ fn the_manifests_in_the_docs_parse() {
         for block in blocks(&page).into_iter().filter(|block| block.language == "toml") {
             let text = &page[block.at];
             let manifest = Manifest::parse(text).unwrap_or_else(|error| panic!("{name}: {error}\n{text}"));
-            // An asset replaces materials.
-            let asset = manifest.render.asset.is_some();
+            // Other assets replace materials.
+            let asset = manifest.render.asset.is_some() || !manifest.assets.is_empty();
             assert!(asset || !manifest.materials.is_empty() && !manifest.uses.is_empty());
             examples += 1;
         }
@@ -168,9 +168,10 @@ fn the_manifests_in_the_docs_parse() {
 #[test]
 fn every_key_of_the_manifest_is_described() {
     let page = read("docs/manifest.md");
-    for table in
-        ["[scene]", "[defaults]", "[materials.a]", "[[uses]]", "[render]", "[render.camera]", "[[render.lights]]"]
-    {
+    let of_scene = ["[scene]", "[defaults]", "[materials.a]", "[[uses]]"];
+    let of_assets = ["[captures.a]", "[btfs.a]", "[environments.a]", "[captures.a.require]"];
+    let of_renderings = ["[render]", "[render.camera]", "[[render.lights]]"];
+    for table in of_scene.into_iter().chain(of_assets).chain(of_renderings) {
         let error = Manifest::parse(&format!("{table}\nno_such_key = 1\n")).unwrap_err();
         for key in error.allowed.replace(" or ", ", ").split(", ") {
             assert!(page.contains(&format!("\n| `{key}` |")), "docs/manifest.md does not describe {key} of {table}");

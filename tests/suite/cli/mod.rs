@@ -1,6 +1,7 @@
 //! The real program, command by command. One binary for all of them, because each test binary is linked separately.
 
 mod bandwidth;
+mod build_assets;
 mod build_scene;
 mod compare;
 mod convert;

@@ -50,7 +50,7 @@ const TABLE: &[Checked] = &[
         command: &["build", "--out", "packs"],
         checks: &[&["--max-delta-e", "100"], &["--max-error", "1000%"], &[]],
         nothings: &[
-            ("empty folder", &["empty"], 1, "no measured material, only one other file"),
+            ("empty folder", &["empty"], 1, "no asset, only one other file"),
             ("no use", &["unused.toml"], 1, "nothing to build"),
         ],
     },

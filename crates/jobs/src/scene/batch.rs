@@ -289,7 +289,7 @@ mod tests {
         assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 4));
         let empty = folder(&["notes.txt"]);
         let error = find(&given(&[empty.path().into()])).unwrap_err().to_string();
-        assert!(error.contains("no measured material, only one other file; expected .binary"), "{error}");
+        assert!(error.contains("no asset, only one other file; expected .binary"), "{error}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ use brdfc_core::Source;
 use brdfc_core::progress::Progress;
 use brdfc_core::words::bytes;
 use brdfc_formats::flat_btf::FlatBtfFile;
+use brdfc_formats::pwt::PwtPack;
 use brdfc_formats::{BrdfPack, FormatError, Pack, PackKind};
 use brdfc_source::flat_btf::open_flat_btf;
 use brdfc_source::open::open;
@@ -131,11 +132,7 @@ fn of_input(input: &Input, options: ViewOptions, progress: &dyn Progress) -> Res
 
 fn of_pack(name: String, input: &Input) -> Result<ViewItem, Error> {
     match open_pack(input)? {
-        Pack::Pwt(pack) => {
-            let [width, height] = pack.header().size;
-            let facts = format!("{width} x {height} pixels under any light, {} on a GPU", bytes(pack.gpu_bytes()));
-            Ok(ViewItem { name, facts, drawn: Drawn::Pwt(Box::new(pack)) })
-        }
+        Pack::Pwt(pack) => Ok(of_tree(name, pack)),
         Pack::Lobes(pack) => {
             let look_ups = match pack.fetches() {
                 1 => "one look-up".to_owned(),
@@ -150,6 +147,12 @@ fn of_pack(name: String, input: &Input) -> Result<ViewItem, Error> {
             Err(kind) => Err(refused(&input.to_string(), kind.summary(), ALLOWED)),
         },
     }
+}
+
+fn of_tree(name: String, pack: PwtPack) -> ViewItem {
+    let [width, height] = pack.header().size;
+    let facts = format!("{width} x {height} pixels under any light, {} on a GPU", bytes(pack.gpu_bytes()));
+    ViewItem { name, facts, drawn: Drawn::Pwt(Box::new(pack)) }
 }
 
 fn of_photographs(name: String, photographs: Photographs) -> ViewItem {
@@ -201,11 +204,12 @@ fn of_flat_btf(name: String, input: &Input) -> Result<ViewItem, Error> {
     Ok(ViewItem { name, facts, drawn: Drawn::FlatBtf(Box::new(decoder), directions) })
 }
 
-/// The packs of a build, each followed by its source.
+/// The packs of a build, those of materials each followed by its source. Environments are no items of their own.
 fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Result<Vec<ViewItem>, Error> {
     let notes = notes(folder);
     let mut items = Vec::new();
-    for (material, pack) in Reports::open(folder, None)?.brdf_packs()? {
+    let reports = Reports::open(folder, None)?;
+    for (material, pack) in reports.brdf_packs()? {
         progress.check()?;
         let mut item = of_brdf(material.clone(), pack);
         let note = notes.get(&material).cloned().unwrap_or_default();
@@ -218,6 +222,7 @@ fn of_build(folder: &Path, options: ViewOptions, progress: &dyn Progress) -> Res
             items.push(of_source(source_name(&material), &material, source.as_ref(), progress)?);
         }
     }
+    items.extend(reports.tree_packs()?.into_iter().map(|(name, pack)| of_tree(name, pack)));
     if items.is_empty() {
         return Err(refused(&folder.display().to_string(), "a build without packs", ALLOWED));
     }

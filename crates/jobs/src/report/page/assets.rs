@@ -95,10 +95,10 @@ pub(super) fn assets(assets: &[PageAsset]) -> Markup {
                  packs, captures and BTFs along the normal, lit from the upper left."
             }
             div.scroll { table.all {
-                thead { tr { @for name in heads { th data-sorts="" { (name) } } } }
+                thead { tr { @for name in heads { th.left[name == "kind"] data-sorts="" { (name) } } } }
                 tbody { @for PageAsset { entry, .. } in assets { (row(entry)) } }
             } }
-            div.row { @for asset in assets { (section(asset)) } }
+            @for asset in assets { (section(asset)) }
         }
     }
 }
@@ -122,17 +122,18 @@ fn row(entry: &AssetEntry) -> Markup {
 }
 
 fn section(PageAsset { entry, picture }: &PageAsset) -> Markup {
+    let report = entry.report.as_ref();
     let failed = entry.gates.iter().filter(|gate| !gate.passed);
     html! {
-        figure id=(entry.asset) {
-            @if let Some(picture) = picture { (image(picture, &format!("rendering of {}", entry.asset))) }
-            figcaption {
-                (entry.asset) " " span.soft { (entry.source) }
-                @if let Some(error) = &entry.error { p.bad { (error) } }
-                @for missed in entry.report.iter().filter_map(|report| report.missed.as_ref()) { p.bad { (missed) } }
-                @for gate in failed { p.bad { (gate) } }
-                @for note in entry.report.iter().flat_map(|report| &report.notes) { p.soft { (note) } }
+        section.material id=(entry.asset) {
+            h2 { (entry.asset) " " span.soft { (entry.source) } }
+            @if let Some(error) = &entry.error { p.bad { (error) } }
+            @for missed in report.iter().filter_map(|report| report.missed.as_ref()) { p.bad { (missed) } }
+            @for gate in failed { p.bad { (gate) } }
+            @if let Some(picture) = picture {
+                div.row.large { figure { (image(picture, &format!("rendering of {}", entry.asset))) } }
             }
+            ul { @for note in report.iter().flat_map(|report| &report.notes) { li { (note) } } }
         }
     }
 }

@@ -14,11 +14,13 @@ use crate::scene::run::{kind_of, opened_with_digest};
 use crate::write::folder_of;
 use brdfc_core::Source;
 use brdfc_core::progress::Progress;
+use brdfc_formats::pwt::PwtPack;
 use brdfc_formats::{BrdfPack, Pack, PackKind};
 use brdfc_source::Input;
 use rayon::prelude::*;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 /// Contents of a page about a build.
 #[derive(Debug)]
@@ -49,8 +51,11 @@ pub struct Page {
 pub const PER_PAGE: usize = 100;
 
 impl Page {
-    /// Address of a material's section; `None` for a material that the page leaves out or the build no longer has.
+    /// Address of the section of a material or asset; `None` for one that the page leaves out or the build no longer has.
     pub(super) fn address(&self, material: &str) -> Option<String> {
+        if self.assets.iter().any(|asset| asset.entry.asset == material) {
+            return Some(format!("#{material}"));
+        }
         let at = self.materials.binary_search_by(|one| one.entry.material.as_str().cmp(material)).ok()?;
         let part = self.parts.get(at / PER_PAGE).map_or(String::new(), |part| escaped(part));
         Some(format!("{part}#{material}"))
@@ -142,6 +147,21 @@ impl Reports {
         let made = self.new.materials.iter().filter(|entry| entry.report.is_some());
         let named = made.filter_map(|entry| Some((entry, entry.pack.as_ref()?)));
         named.map(|(entry, name)| Ok((entry.material.clone(), brdf_pack(&self.folder, entry, name)?))).collect()
+    }
+
+    /// Packs of the assets that can be drawn by themselves, with the names of the assets.
+    ///
+    /// # Errors
+    /// Returns an error if a pack cannot be read or differs from the report.
+    pub fn tree_packs(&self) -> Result<Vec<(String, PwtPack)>, Error> {
+        let mut found = Vec::new();
+        for entry in &self.new.assets {
+            let Some(listed) = &entry.pack else { continue };
+            if let (Pack::Pwt(pack), _) = listed_pack(&self.folder, slice::from_ref(listed), &listed.file)? {
+                found.push((entry.asset.clone(), pack));
+            }
+        }
+        Ok(found)
     }
 
     /// Number of materials and assets of the page.

@@ -23,8 +23,7 @@ pub fn html(page: &Page) -> String {
     let count = page.materials.len();
     let content = html! {
         p {
-            @if count == 1 { "One material" } @else { (count) " materials" }
-            @match page.assets.len() { 0 => {} 1 => { ", one other asset" } others => { ", " (others) " other assets" } }
+            (counts(count, page.assets.len()))
             @if page.left_out > 0 { "; " (page.left_out) " others passed and are left out" }
             @if failed > 0 { ", " span.bad { (failed) " of them failed or missed a requirement" } }
             ". ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
@@ -58,6 +57,17 @@ pub fn html(page: &Page) -> String {
         (environment(page))
     };
     document(&format!("{}: packs and their errors", page.scene), &content)
+}
+
+/// Numbers of materials and of other assets.
+fn counts(materials: usize, others: usize) -> String {
+    let of = |count: usize, name: &str| if count == 1 { format!("one {name}") } else { format!("{count} {name}s") };
+    let text = match (materials, others) {
+        (materials, 0) => of(materials, "material"),
+        (0, others) => of(others, "asset"),
+        (materials, others) => format!("{}, {}", of(materials, "material"), of(others, "other asset")),
+    };
+    text.replacen("one", "One", usize::from(text.starts_with("one")))
 }
 
 /// Writes a page with the sections of some materials of `page`, whose file is `name`.
