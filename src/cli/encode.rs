@@ -8,6 +8,7 @@ use super::reading::{ReadingOptions, open_read};
 use super::{Common, Error};
 use crate::table;
 use brdfc::encode::{GateResult, OptionError, StageClock, StageTime, codecs, remarks};
+use brdfc::inspect::Kind;
 use brdfc::lobes::CODEC;
 use brdfc::scene::near_miss;
 use brdfc::{Facts, Input, MaterialReport, Progress as _, Stage};
@@ -116,8 +117,6 @@ fn with_lobes(error: OptionError) -> OptionError {
 
 /// Names the command for folders in the error of a folder.
 fn of_folder(input: &Input, error: Error) -> Error {
-    // RTI captures and BTFs, which are folders too, have errors of their own.
-    let is_folder = input.path().is_some_and(|path| path.is_dir()) && error.message().ends_with("a file or a pipe");
     let text = format!("{error}; use 'brdfc build' for a folder");
-    if is_folder { error.with_message(text) } else { error }
+    if matches!(Kind::of(input), Ok(Kind::Folder)) { error.with_message(text) } else { error }
 }

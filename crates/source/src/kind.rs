@@ -212,7 +212,10 @@ impl Kind {
             }
             _ => FormatError::whole("input", self.name(), allowed),
         };
-        file.wrong(error)
+        match input.path() {
+            None if self != Self::Other => InputError::format(input.named_path(), error),
+            _ => file.wrong(error),
+        }
     }
 }
 

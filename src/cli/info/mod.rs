@@ -15,7 +15,7 @@ use brdfc::inspect::{
     open_pack, open_ptm, open_rti, opened, split_query, surface,
 };
 use brdfc::lobes::LobesFacts;
-use brdfc::{BrdfPack, Facts, Input, InputError};
+use brdfc::{BrdfPack, Facts, FormatError, Input, InputError};
 use clap::Args;
 use serde::Serialize;
 
@@ -116,6 +116,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         (Kind::Mesh | Kind::Image | Kind::Btf, _) => return surface(input, common),
         (Kind::Structure, _) if is_structure(input) => return surface(input, common),
         (Kind::RtiCapture, Some(path)) => Contents::Other(Other::RtiCapture(RtiCapture::open(path)?.facts())),
+        (Kind::RtiCapture, None) => {
+            let path = "the path of the list, because the images are in its folder";
+            let error = FormatError::whole("input", "the lights of an RTI capture", path);
+            return Err(InputError::Format { name: input.to_string(), error }.into());
+        }
         (Kind::Ptm, _) => Contents::Other(Other::Ptm(PtmFacts::new(&open_ptm(input)?))),
         (Kind::Rti, _) => Contents::Other(Other::Rti(RtiFacts::new(&open_rti(input)?))),
         (kind, _) if kind.is_flat_btf() => {

@@ -47,12 +47,12 @@ fn unknown_keys_at_every_level() {
         (
             0,
             "[secne]",
-            "line 1, key: found \"secne\", expected scene, defaults, materials, uses or render; did you mean scene?",
+            "line 1, key: found \"secne\", expected scene, defaults, materials, captures, btfs, environments, uses or render; did you mean scene?",
         ),
         (
             0,
             "material = 1",
-            "line 1, key: found \"material\", expected scene, defaults, materials, uses or render; did you mean mat",
+            "line 1, key: found \"material\", expected scene, defaults, materials, captures, btfs, environments, uses or render; did you mean mat",
         ),
         (2, "titel = 1", "line 3, key in [scene]: found \"titel\", expected name, distance_scale or environment"),
         (2, "distance-scale = 1", "did you mean distance_scale?"),
@@ -68,7 +68,7 @@ fn unknown_keys_at_every_level() {
     }
     bad(
         GOOD.replace("[[uses]]", "[[use]]"),
-        "key: found \"use\", expected scene, defaults, materials, uses or render; did you mean uses?",
+        "key: found \"use\", expected scene, defaults, materials, captures, btfs, environments, uses or render; did you mean uses?",
     );
 }
 

@@ -95,7 +95,9 @@ fn assets_are_made_cached_checked_and_reported() {
     std::fs::copy(&photographs[1], &photographs[0]).unwrap();
     let changed = build(&folder, &[]);
     assert_eq!(cached(&changed), of(NAMES, [true, false, true]));
-    // A page with a picture of each, and the earlier build to compare with.
+    // A page with a rendering of each, and the earlier build to compare with.
+    folder.write("scene.toml", MANIFEST.replacen("degree = 2", "degree = 1", 1));
+    build(&folder, &[]);
     std::fs::write(folder.path().join("before.json"), &before["report.json"]).unwrap();
     let ran = folder.run(&["report", "packs", "-o", "page.html", "--against", "before.json", "--json"]);
     conforms("report", &ran.json());
@@ -112,8 +114,8 @@ fn a_folder_stands_for_all_assets_in_it() {
     let folder = folder();
     folder.run(&["synth", "lambert", "-o", "red.binary", "--dimensions", "8x8x8"]).succeeded();
     folder.write("notes.txt", "no asset");
-    // A folder of pictures is no BTF.
-    folder.write("pictures/a.png", "no picture");
+    // A folder of other images is no BTF.
+    folder.write("images/a.png", "no image");
     std::fs::remove_file(folder.path().join("scene.toml")).unwrap();
     let ran = folder.run(&["build", ".", "--out", "packs", "--json"]).succeeded();
     assert_eq!(cached(&ran.json()).into_keys().collect::<Vec<_>>(), ["sky", "stack", "tile"]);

@@ -7,6 +7,7 @@ use brdfc_formats::PackKind;
 use brdfc_testing::codecs::tested;
 use brdfc_testing::viewer_files::rti;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The commands of the table, with the arguments after the input.
 const COMMANDS: [(&str, &[&str]); 7] = [
@@ -50,6 +51,8 @@ fn inputs(folder: &Folder) -> BTreeMap<&'static str, Vec<String>> {
     let grey = image::GrayImage::from_fn(8, 8, |x, y| image::Luma([(10 * x + 9 * y) as u8]));
     grey.save(folder.path().join("heights.png")).unwrap();
     btf(folder, "tile", &ring(&[40.0]));
+    let sky = Path::new(env!("CARGO_MANIFEST_DIR")).join("testdata/demo/sky.hdr");
+    folder.write("sky.hdr", std::fs::read(sky).unwrap());
     run(&["build", "synth:lambert", "--out", "built", "--codec", "table", "--max-bytes", "4KiB"]);
     let manifest = "[materials.a]\nsource = \"synth:lambert\"\n[[uses]]\nmaterial = \"a\"\n";
     folder.write("scene.toml", manifest);
@@ -84,6 +87,7 @@ fn inputs(folder: &Folder) -> BTreeMap<&'static str, Vec<String>> {
         ("RTI capture", of(&["stack", "stack/dirs.lp"])),
         ("file of an RTI viewer", of(&["h.rti"])),
         ("ordinary BTF", of(&["tile"])),
+        ("latitude-longitude image", of(&["sky.hdr"])),
         ("mesh", of(&["mesh.obj"])),
         ("height map", of(&["heights.png"])),
         ("manifest", of(&["scene.toml"])),

@@ -155,7 +155,7 @@ fn inputs() -> Folder {
         let at = folder.path().join(name);
         write_rti_capture(&at, &spread_lights(12), [8, 8], StackFormat::Exr, |_| vec![[value; 3]; 64]).unwrap();
     }
-    let nothing = "{\n  \"version\": 5, \"scene\": \"s\", \"materials\": [], \"skipped\": []\n}";
+    let nothing = "{\n  \"version\": 6, \"scene\": \"s\", \"materials\": [], \"skipped\": []\n}";
     folder.write("nothing.json", with_checksum(nothing));
     folder.write("none.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n");
     folder.write("below.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z\n0,0,-1,0,0,1\n");

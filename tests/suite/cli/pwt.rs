@@ -282,7 +282,7 @@ fn what_cannot_be_is_refused() {
             "--ridge: does not apply to --terms learned, only to polynomials",
         ),
         (2, &["stack", "-o", "x.ktx2", "--hold-out", "40"], "--hold-out: found 40, expected 0 to 39"),
-        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view does not apply to RTI captures, only to BTFs"),
+        (2, &["stack", "-o", "x.ktx2", "--view", "1"], "--view does not apply to an RTI capture, only to BTFs"),
         (2, &["stack", "-o", "x.ktx2", "--model", "rgb"], "--model does not apply to a pack, only to an output .ptm"),
         (2, &["p.ktx2", "-o", "x.ktx2"], "p.ktx2: already a pack; choose an --output that ends in .ptm"),
         (

@@ -378,7 +378,7 @@ fn folders_that_are_not_what_their_report_says() {
     );
     // For a damaged report or one of another version, no type names of the program.
     let whole = folder.text("packs/report.json");
-    let other = whole.replacen("\"version\": 5", "\"version\": 1", 1);
+    let other = whole.replacen("\"version\": 6", "\"version\": 1", 1);
     let typed = whole.replacen("\"scene\": \"materials\"", "\"scene\": 3", 1);
     let outside = whole.replacen("\"velvet.brdf.ktx2\"", "\"../velvet.brdf.ktx2\"", 1);
     assert!(other != whole && typed != whole && outside != whole);

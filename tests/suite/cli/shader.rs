@@ -83,7 +83,7 @@ fn an_unknown_kind_is_reported() {
             3,
             "report.json: input: found the output of a build, expected table, ",
         ),
-        (&["shader", "empty", "--language", "glsl"], 3, "empty: input: no flat BTF in this folder"),
+        (&["shader", "empty", "--language", "glsl"], 3, "empty: input: found a folder, expected table, "),
         (&["shader", "some.ktx2", "--language", "glsl", "-o", "some.ktx2"], 2, "would overwrite the input some.ktx2"),
         (&["shader", "table", "--language", "glsl", "-o", "gone/x.glsl"], 4, "there is no folder gone"),
     ] {

@@ -65,7 +65,7 @@ pub struct PwtMade {
 }
 
 impl PwtMade {
-    /// How the pack misses a target, with the key of the option, if it does. Limits of error apply to held-out lights and views as
+    /// The limit that the pack misses, with the key of the option, if it misses one. Limits of error apply to held-out lights and views as
     /// well.
     pub fn missed(&self, target: Target) -> Option<Message> {
         let errors = &self.encoded.errors;

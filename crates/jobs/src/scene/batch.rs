@@ -79,7 +79,7 @@ fn is_measured(path: &Path) -> bool {
     (path.is_file() || is_lost(path)) && Kind::of_name(path).is_brdf() && (!is_csv || has_values(path))
 }
 
-/// Returns true for a path in a folder that is an asset. Of images only Radiance files count: others may be pictures of materials.
+/// Returns true for a path in a folder that is an asset. Of images only Radiance files count: others may be photographs of materials.
 fn is_asset_among_others(path: &Path) -> bool {
     match AssetKind::at(path) {
         Some(AssetKind::Environment) => path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr")),

@@ -10,7 +10,7 @@ use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Returns the manifest if the inputs are one. A single file without the extension of a material format counts as a
+/// Returns the manifest if the inputs are one. A single file with the extension of no asset counts as a
 /// manifest.
 ///
 /// # Errors
@@ -25,8 +25,8 @@ pub fn manifest_among(inputs: &[OsString]) -> Result<Option<PathBuf>, Error> {
     let is_manifest = |input: &OsString| {
         let path = Path::new(input);
         let kind = Kind::of_name(path);
-        let is_material = kind.is_brdf() || kind.is_ktx2() || address_of(input).is_some();
-        kind == Kind::Manifest || alone && !is_material && !path.is_dir() && !Named::new("", input).is_pattern()
+        let is_file = address_of(input).is_none() && !path.is_dir() && !Named::new("", input).is_pattern();
+        kind == Kind::Manifest || alone && is_file && matches!(kind, Kind::Other | Kind::Build)
     };
     match inputs.iter().find(|input| is_manifest(input)) {
         Some(_) if !alone => {

@@ -1,8 +1,8 @@
 //! Build plans: the materials of a scene with their sources and recipes.
 
-use super::assets::{self, AssetJob};
+use super::assets::{Asset, AssetJob, files_of};
 use super::batch::address_of;
-use super::gates::Gates;
+use super::gates::{Gates, Require};
 use super::lobes::{LOBES, with_hint};
 use super::manifest::Manifest;
 use super::maps::{ENVIRONMENT_PARTS, PARTS, RequestedMaps, TEXTURE, part_name, requested_parts};
@@ -155,6 +155,20 @@ pub fn pack_name(material: &str) -> String {
     part_name(material, "brdf")
 }
 
+/// The job of an asset that is no material.
+fn asset_job(asset: &Asset, folder: &Path) -> Result<AssetJob, OptionError> {
+    let path = folder.join(&asset.source);
+    Ok(AssetJob {
+        name: asset.name.clone(),
+        kind: asset.kind,
+        declared: asset.source.display().to_string(),
+        files: files_of(&path),
+        path,
+        recipe: asset.recipe()?,
+        required: asset.require.resolve(&Require::default())?,
+    })
+}
+
 fn uses_by_material(manifest: &Manifest) -> BTreeMap<&str, Vec<(String, Use)>> {
     let mut all: BTreeMap<&str, Vec<(String, Use)>> = BTreeMap::new();
     for (number, used) in manifest.uses.iter().enumerate() {
@@ -181,7 +195,7 @@ pub fn plan(manifest: &Manifest, folder: &Path) -> Result<Plan, Error> {
     let mut plan = Plan {
         scene,
         jobs: Vec::new(),
-        assets: assets::jobs(manifest, folder)?,
+        assets: manifest.assets.iter().map(|asset| asset_job(asset, folder)).collect::<Result<_, _>>()?,
         environment,
         has_environment: manifest.scene.environment.is_some(),
         skipped: Vec::new(),

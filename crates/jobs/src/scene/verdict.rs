@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::report::gate::GateResult;
 use brdfc_core::words::counted_of;
 
-/// What a material or another asset misses.
+/// Missed limits and gates of a material or another asset.
 struct Checked<'a> {
     missed: Vec<String>,
     gates: &'a [GateResult],

@@ -1,4 +1,4 @@
-//! Assets of a page that are no materials: RTI captures, BTFs and environments, each with a picture of its pack.
+//! Assets of a page that are no materials: RTI captures, BTFs and environments, each with a rendering of its pack.
 
 use super::markup::image;
 use super::parts::{listed_pack, wrong_kind};
@@ -18,11 +18,11 @@ use maud::{Markup, html};
 use std::path::Path;
 use std::slice;
 
-/// Largest side of a picture, pixels.
+/// Largest side of a rendering, pixels.
 const SIDE: u32 = 320;
-/// Light of the picture of an RTI capture: from the upper left, as people expect it.
+/// Light of the rendering of an RTI capture: from the upper left, as people expect it.
 const LIGHT: [f32; 3] = [-0.408_248_3, 0.408_248_3, 0.816_496_6];
-/// Value of a picture that is shown as white, as a multiple of the mean.
+/// Value of a rendering that is shown as white, as a multiple of the mean.
 const WHITE: f64 = 4.0;
 
 /// One asset of a page.
@@ -31,7 +31,7 @@ pub struct PageAsset {
     /// Its entry in the build report.
     pub entry: AssetEntry,
     /// A rendering of its pack; absent without a pack.
-    pub picture: Option<Panel>,
+    pub rendering: Option<Panel>,
 }
 
 /// Reads the pack of an asset and draws it.
@@ -39,14 +39,14 @@ pub struct PageAsset {
 /// # Errors
 /// Returns an error if the pack cannot be read or differs from the report.
 pub(super) fn page_asset(folder: &Path, entry: AssetEntry) -> Result<PageAsset, Error> {
-    let Some(listed) = &entry.pack else { return Ok(PageAsset { entry, picture: None }) };
+    let Some(listed) = &entry.pack else { return Ok(PageAsset { entry, rendering: None }) };
     let (pack, _) = listed_pack(folder, slice::from_ref(listed), &listed.file)?;
-    let picture = match pack {
+    let rendering = match pack {
         Pack::Pwt(pack) => lit(pack),
         Pack::Environment(pack) => panorama(&pack),
         other => return Err(wrong_kind(&folder.join(&listed.file), other.kind(), entry.kind.pack().summary())),
     };
-    Ok(PageAsset { entry, picture: Some(picture) })
+    Ok(PageAsset { entry, rendering: Some(rendering) })
 }
 
 /// A tree, seen along the normal under [`LIGHT`].
@@ -84,14 +84,14 @@ fn panel([width, height]: [usize; 2], mut pixels: Vec<[f32; 3]>, exposure: f64) 
     to_panel(&LinearImage { width, height, pixels, coverage, background: [0.0; 3] }, exposure)
 }
 
-/// Table and pictures of the assets.
+/// Table and renderings of the assets.
 pub(super) fn assets(assets: &[PageAsset]) -> Markup {
     let heads = ["asset", "kind", "size", "images", "fetches", "on disk", "on GPU", "PSNR", "ΔE", ""];
     html! {
         @if !assets.is_empty() {
             h2 { "Captures, BTFs and environments" }
             p {
-                "ΔE is the mean colour difference from the photographs; environments are prefiltered and have none. Pictures show the \
+                "ΔE is the mean colour difference from the photographs; environments are prefiltered and have none. Renderings show the \
                  packs, captures and BTFs along the normal, lit from the upper left."
             }
             div.scroll { table.all {
@@ -121,7 +121,7 @@ fn row(entry: &AssetEntry) -> Markup {
     } }
 }
 
-fn section(PageAsset { entry, picture }: &PageAsset) -> Markup {
+fn section(PageAsset { entry, rendering }: &PageAsset) -> Markup {
     let report = entry.report.as_ref();
     let failed = entry.gates.iter().filter(|gate| !gate.passed);
     html! {
@@ -130,8 +130,8 @@ fn section(PageAsset { entry, picture }: &PageAsset) -> Markup {
             @if let Some(error) = &entry.error { p.bad { (error) } }
             @for missed in report.iter().filter_map(|report| report.missed.as_ref()) { p.bad { (missed) } }
             @for gate in failed { p.bad { (gate) } }
-            @if let Some(picture) = picture {
-                div.row.large { figure { (image(picture, &format!("rendering of {}", entry.asset))) } }
+            @if let Some(rendering) = rendering {
+                div.row.large { figure { (image(rendering, &format!("rendering of {}", entry.asset))) } }
             }
             ul { @for note in report.iter().flat_map(|report| &report.notes) { li { (note) } } }
         }

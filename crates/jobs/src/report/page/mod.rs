@@ -42,7 +42,7 @@ pub struct PageReport<'a> {
     /// Materials of the scene, sorted by name.
     pub materials: Vec<PageEntry<'a>>,
     /// RTI captures, BTFs and environments, sorted by name.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub assets: Vec<&'a AssetEntry>,
 }
 

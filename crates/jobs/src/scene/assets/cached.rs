@@ -1,7 +1,8 @@
 //! Packs of assets in the store. A source may be a folder of many files: its hash is the hash of all their names and hashes.
 
+use super::job::{AssetJob, MadeAsset, files_of};
 use super::make::make;
-use super::{AssetJob, AssetReport, MadeAsset};
+use super::report::AssetReport;
 use crate::scene::error::JobError;
 use crate::scene::memory::Shared;
 use crate::scene::run::BuildContext;
@@ -9,21 +10,9 @@ use crate::stage_clock::StageClock;
 use crate::store::{Cached, Digest, HashingObserver, Key, Stamp};
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_source::InputError;
-use brdfc_source::input_files::files_behind;
 use brdfc_source::read::read_file_observed;
 use brdfc_source::ubo_btf;
-use std::path::{Path, PathBuf};
-
-/// Files of a source, sorted; the path alone if it is none.
-pub(in crate::scene) fn files_of(path: &Path) -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> = files_behind(path).into_iter().filter(|file| !file.is_dir()).collect();
-    files.sort();
-    files.dedup();
-    if files.is_empty() {
-        files.push(path.to_owned());
-    }
-    files
-}
+use std::path::PathBuf;
 
 /// Stamps of files; `None` for a file that is missing.
 fn stamps(files: &[PathBuf]) -> Vec<Option<Stamp>> {
@@ -43,7 +32,7 @@ impl BuildContext<'_> {
         progress: &dyn Progress,
     ) -> Result<MadeAsset, JobError> {
         progress.check()?;
-        if let Some(made) = self.known_asset(job) {
+        if let Some(made) = self.unchanged_asset(job) {
             return Ok(made);
         }
         let clock = StageClock::new(progress);
@@ -67,8 +56,17 @@ impl BuildContext<'_> {
         Ok(of_cached(job, Cached { report, files }, Some(clock)))
     }
 
-    /// Returns an asset from the store if none of its files has changed.
+    /// Returns an asset from the store if it was made from the current contents of its files.
     pub(in crate::scene) fn known_asset(&self, job: &AssetJob) -> Option<MadeAsset> {
+        let read = || {
+            let source = self.source_of(job, &files_of(&job.path)).ok()?;
+            Some(of_cached(job, self.look_up_asset(job, source)?, None))
+        };
+        self.unchanged_asset(job).or_else(read)
+    }
+
+    /// Returns an asset from the store if the stamp of none of its files has changed.
+    fn unchanged_asset(&self, job: &AssetJob) -> Option<MadeAsset> {
         let files = files_of(&job.path);
         let known = |file: &PathBuf| Some((file.clone(), self.store.known(file)?));
         let known: Vec<_> = files.iter().map(known).collect::<Option<_>>()?;
