@@ -96,8 +96,9 @@ fn assets_are_made_cached_checked_and_reported() {
     let changed = build(&folder, &[]);
     assert_eq!(cached(&changed), of(NAMES, [true, false, true]));
     // A page with a rendering of each, and the earlier build to compare with.
-    folder.write("scene.toml", MANIFEST.replacen("degree = 2", "degree = 1", 1));
-    build(&folder, &[]);
+    let required = "[captures.icon.require]\nmax_bytes = 1000\n\n[btfs.cloth]";
+    folder.write("scene.toml", MANIFEST.replace("[btfs.cloth]", required));
+    assert_eq!(folder.run(&["build", "scene.toml"]).code, 1);
     std::fs::write(folder.path().join("before.json"), &before["report.json"]).unwrap();
     let ran = folder.run(&["report", "packs", "-o", "page.html", "--against", "before.json", "--json"]);
     conforms("report", &ran.json());
@@ -106,7 +107,8 @@ fn assets_are_made_cached_checked_and_reported() {
     for name in NAMES {
         assert!(page.contains(&format!("alt=\"rendering of {name}\"")), "{name}");
     }
-    assert!(ran.code == 1 && ran.stderr.contains("icon: mean ΔE: now "), "{ran:?}");
+    let worse = &ran.json()["regressions"][0];
+    assert_eq!((ran.code, &worse["material"], &worse["figure"]), (1, &"icon".into(), &"require.max_bytes".into()));
 }
 
 #[test]

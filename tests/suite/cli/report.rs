@@ -388,7 +388,7 @@ fn folders_that_are_not_what_their_report_says() {
         (&whole[..300], "found truncated JSON, at line "),
         ("[]", "found JSON of another layout, at line 1, column 2"),
         (&typed, "found JSON of another layout, at line 3, column 12: invalid type: integer `3`"),
-        (&other, "found layout version 1, expected 5"),
+        (&other, "found layout version 1, expected 6"),
         (&outside, "the file \"../velvet.brdf.ktx2\" is outside the folder of the report"),
         ("\0\0\0", "found text that is not JSON, at line 1, column 1"),
     ] {
