@@ -209,7 +209,7 @@ fn files_hold_what_the_codec_makes() {
         let input = FlatInput { mesh: geometry.mesh, repairs: None, values };
         let made = encode(input, &recipe(reflectance), &scratch, &()).unwrap();
         flatten(&folder, &["synth:button?resolution=24", "-o", name, "--reflectance", name]).succeeded();
-        let (file, asset) = open_asset(&folder.path().join(name)).unwrap();
+        let (file, asset) = open_asset(folder.path().join(name)).unwrap();
         assert!(file.decoder == made.decoder, "{name}");
         assert_eq!(file.directions.is_some(), reflectance == Reflectance::Factors, "{name}");
         assert_eq!(asset.about.report, made.report);
