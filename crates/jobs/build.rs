@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::path::{Path, PathBuf};
 
 /// Sources that determine the bytes of packs, relative to this crate. Code that prints, draws or manages files is not included.
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 20] = [
     "../../formats/src",
     "../core/src",
     "../readers/src",
@@ -16,8 +16,13 @@ const SOURCES: [&str; 15] = [
     "../encode/src",
     "../render/src/environment.rs",
     "src/environment.rs",
+    "src/exposure.rs",
     "src/lobes.rs",
+    "src/pack_files.rs",
+    "src/pwt",
+    "src/report/fit.rs",
     "src/report/material.rs",
+    "src/scene/assets",
     "src/scene/lobes.rs",
     "src/scene/maps.rs",
     "../../Cargo.lock",

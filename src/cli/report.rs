@@ -137,10 +137,12 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
         let lines: String = page.regressions.iter().map(|worse| format!("{worse}\n")).collect();
         print(&lines)?;
     }
-    let materials = counted(page.materials.len(), "material");
-    let what = match page.assets.len() {
-        0 => materials,
-        assets => format!("{materials}, {}", counted(assets, "other asset")),
+    let what = match (page.materials.len(), page.assets.len()) {
+        (materials, 0) => counted(materials, "material"),
+        (0, assets) => counted(assets, "asset"),
+        (materials, assets) => {
+            format!("{}, {}", counted(materials, "material"), counted(assets, "other asset"))
+        }
     };
     remark(common, &format!("{}: {what}", output.display()));
     match page.regressions.len() {

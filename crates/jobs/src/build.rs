@@ -207,6 +207,12 @@ impl Build {
         if self.file.is_none() {
             "materials".clone_into(&mut plan.scene);
         }
+        let asks = self.options != EncodeOptions::default() || self.reading != Reading::default();
+        if asks && plan.jobs.is_empty() && !plan.assets.is_empty() {
+            let text = "options of encoding and reading apply to materials, and there are only other assets; a manifest has options of \
+                        each ('brdfc pwt' and 'brdfc environment' have them, too)";
+            return Err(Error::usage(format!("{}: {text}", self.inputs)));
+        }
         if plan.is_empty() {
             return Err(Error::check(format!(
                 "{}: nothing to build: {} and no uses; add [[uses]] with material = \"...\"",

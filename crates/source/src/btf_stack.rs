@@ -120,6 +120,11 @@ pub fn images_of(folder: &Path) -> Vec<PathBuf> {
     contents.map_or_else(Vec::new, |contents| contents.files.iter().map(|file| folder.join(file)).collect())
 }
 
+/// Returns true for a folder whose images have the names of several views and several lights.
+pub fn has_views_and_lights(folder: &Path) -> bool {
+    StackContents::new(&files_in(folder)).is_ok_and(|found| found.views.len() > 1 && found.lights.len() > 1)
+}
+
 fn common_of(folder: &Path, files: &[String], codes: Option<CodeValues>) -> Result<Common, InputError> {
     let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(file)).collect();
     common_header(&paths, files.first().map_or("", String::as_str), codes)

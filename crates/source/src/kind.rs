@@ -1,7 +1,7 @@
 //! Kind of an input, from its name, the first bytes of packs and of standard input, and the files of a folder. No other module decides
 //! what an input is.
 
-use crate::btf_stack::{files_in, images_of};
+use crate::btf_stack::files_in;
 use crate::error::InputError;
 use crate::flat_btf::{flat_btf_in, is_kind_of_flat_btf};
 use crate::input::{Input, InputFile};
@@ -12,7 +12,7 @@ use crate::{ptm, rti, ubo_btf};
 use brdfc_core::address::{SYNTH_PREFIX, split_query};
 use brdfc_core::analytic::MODELS;
 use brdfc_formats::{FormatError, PackKind};
-use brdfc_readers::btf_stack::is_image;
+use brdfc_readers::btf_stack::{StackContents, is_image};
 use brdfc_readers::file_kind::FileKind;
 use brdfc_readers::recognise::{EXR, HDR, JPEG, KTX2, MANIFEST, PNG, TIFF};
 use brdfc_readers::{alta, merl, rgl, scan, scan_csv};
@@ -121,22 +121,26 @@ impl Kind {
     }
 
     fn of_folder(folder: &Path) -> Result<Self, InputError> {
-        if folder.join(BUILD_REPORT).is_file() {
+        let files = files_in(folder);
+        let has_packs = files.iter().any(|file| Self::of_name(Path::new(file)) == Self::Texture && !file.contains('/'));
+        // Number of views if the images have the names of a BTF.
+        let views = StackContents::new(&files).map_or(0, |contents| contents.views.len());
+        let has_list = is_rti_capture(folder);
+        // Other programs write files of this name, too, next to what they report on.
+        if folder.join(BUILD_REPORT).is_file() && (has_packs || views == 0 && !has_list) {
             return Ok(Self::Build);
         }
         // The folder of a flat BTF may also hold renderings.
         if let Some(file) = flat_btf_in(folder)? {
             return Ok(kind_of_file(&file).map_or(Self::Texture, Self::Pack));
         }
-        if is_rti_capture(folder) {
-            return Ok(Self::RtiCapture);
-        }
-        let files = files_in(folder);
+        // A capture has one view, also if its images have the names of a BTF; a list next to several views is not theirs.
+        let is_capture = has_list && views < 2;
         let has_images = files.iter().any(|file| is_image(file));
-        let has_packs = files.iter().any(|file| Self::of_name(Path::new(file)) == Self::Texture && !file.contains('/'));
         Ok(match (has_images, has_packs) {
+            _ if is_capture => Self::RtiCapture,
             // Images next to packs are renderings, unless their names are those of a BTF.
-            (true, _) if !has_packs || !images_of(folder).is_empty() => Self::Btf,
+            (true, _) if !has_packs || views > 0 => Self::Btf,
             (_, true) => Self::Packs,
             _ => Self::Folder,
         })
@@ -195,7 +199,11 @@ impl Kind {
 
     /// Error of an input of this kind where others are expected. An input that cannot be read gets the error of reading it.
     pub fn refused(self, input: &Input, allowed: impl Into<String>) -> InputError {
-        let allowed = format!("{}{}", allowed.into(), self.remedy());
+        self.found(input, format!("{}{}", allowed.into(), self.remedy()))
+    }
+
+    /// Same as [`Self::refused`], without advice on commands.
+    pub fn found(self, input: &Input, allowed: String) -> InputError {
         let mut listener = ();
         if input.address().is_some() || input.path().is_some_and(Path::is_dir) {
             return InputError::format(input.named_path(), FormatError::whole("input", self.name(), allowed));
@@ -253,8 +261,23 @@ mod tests {
         assert_eq!(of(path), Kind::Btf);
         write("a.lp");
         assert_eq!(of(path), Kind::RtiCapture);
+        // A report of another program.
         write(BUILD_REPORT);
-        assert_eq!([of(path), of(&path.join(BUILD_REPORT))], [Kind::Build; 2]);
+        assert_eq!([of(path), of(&path.join(BUILD_REPORT))], [Kind::RtiCapture, Kind::Build]);
+        write("a.ktx2");
+        assert_eq!(of(path), Kind::Build);
+    }
+
+    #[test]
+    fn a_list_next_to_several_views_is_not_theirs() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str| std::fs::write(folder.path().join(name), "").unwrap();
+        ["notes.lp", "tl000 pl000 tv000 pv000.png", "tl030 pl000 tv000 pv000.png"].into_iter().for_each(write);
+        assert_eq!(of(folder.path()), Kind::RtiCapture);
+        write("tl000 pl000 tv040 pv000.png");
+        assert_eq!(of(folder.path()), Kind::Btf);
+        write(BUILD_REPORT);
+        assert_eq!(of(folder.path()), Kind::Btf);
     }
 
     #[test]

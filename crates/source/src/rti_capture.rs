@@ -268,9 +268,9 @@ fn read_list(path: &Path) -> Result<(PathBuf, LightPositions), InputError> {
     Ok((list, lights))
 }
 
-/// The list of an RTI capture and its existing photographs, complete or not.
+/// The list of an RTI capture and its existing photographs, complete or not. All lists of a folder if none can be read.
 pub(crate) fn files_of_stack(path: &Path) -> Vec<PathBuf> {
-    let Ok((list, lights)) = read_list(path) else { return Vec::new() };
+    let Ok((list, lights)) = read_list(path) else { return lists(path).unwrap_or_default() };
     let folder = list.parent().unwrap_or(Path::new(""));
     photographs(folder, &lights.names).into_iter().flatten().chain([list]).collect()
 }

@@ -18,12 +18,12 @@ fn memory_from_text(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| "expected 64MiB or more, such as 512MiB, 2GiB or 2147483648 (bytes)".to_owned())
 }
 
-/// Build the packs that a scene needs, or a pack of each measured material in a folder.
+/// Build the packs that a scene needs, or a pack of each measured material and other asset in a folder.
 ///
-/// A manifest lists materials and the uses that a scene makes of them; docs/manifest.md describes its keys. The build
-/// does not open materials that no use refers to. Without a manifest, it builds each material of the given files,
-/// folders and patterns, and names the pack after the file. It does not descend into subfolders, and skips packs in
-/// folders.
+/// A manifest lists materials, RTI captures, BTFs, environments, and the uses that a scene makes of materials;
+/// docs/manifest.md describes its keys. The build does not open materials that no use refers to. Without a manifest, it
+/// builds each asset of the given files, folders and patterns, and names the pack after the file or folder. Of
+/// subfolders it takes those of RTI captures and BTFs only, and it skips packs in folders.
 ///
 /// The build reuses packs that it made before from the same source with the same options. If one material fails, the
 /// others are still built. The output folder changes once, at the end: report.json lists the files that the build
@@ -69,8 +69,8 @@ pub struct Arguments {
     /// without this option moves the results into place. There is no report, so --json is not available.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["only", "dry_run", "explain"])]
     pub(super) shard: Option<Shard>,
-    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.lobes, MATERIAL.maps or
-    /// environment.maps ('brdfc plan' lists them). May be repeated.
+    /// Build only this part into the store, as --shard does: MATERIAL.brdf, MATERIAL.lobes, MATERIAL.maps, NAME.pwt,
+    /// NAME.environment or environment.maps ('brdfc plan' lists them). May be repeated.
     #[arg(long, value_name = "PART", conflicts_with_all = ["dry_run", "explain"])]
     pub(super) only: Vec<String>,
     /// Reuse results from the output folder of another build, for example of another machine. May be repeated.
@@ -89,7 +89,8 @@ pub struct Arguments {
 /// Arguments of all commands that build.
 #[derive(Debug, Args)]
 pub(crate) struct BuildArguments {
-    /// A scene manifest; or files, folders and patterns of measured materials, and synth: addresses.
+    /// A scene manifest; or files, folders and patterns of measured materials, RTI captures, BTFs and environments, and
+    /// synth: addresses.
     #[arg(value_name = "SCENE.toml|DIR|FILE", required = true)]
     pub(crate) inputs: Vec<OsString>,
     /// Folder for packs and reports (default: packs).

@@ -132,7 +132,8 @@ pub(super) fn print_diagnostics(build: &Build, built: &Built, common: Common, co
     }
     if count_cached && cached > 0 {
         let verb = if cached == 1 { "has" } else { "have" };
-        let which = format!("{} from the cache {verb}", counted(cached, "material"));
+        let noun = if built.outcomes.assets.is_empty() { "material" } else { "asset" };
+        let which = format!("{} from the cache {verb}", counted(cached, noun));
         remark(common, &format!("note: {which} notes; 'brdfc report' lists them"));
     }
     for line in built.outcomes.problems() {

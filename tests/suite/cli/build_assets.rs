@@ -124,6 +124,13 @@ fn a_folder_stands_for_all_assets_in_it() {
     assert!(ran.stderr.contains("skipped, not assets: 1 file (./notes.txt)"), "{}", ran.stderr);
     let names: Vec<_> = folder.products("packs").into_keys().collect();
     assert!(names.contains(&"red.brdf.ktx2".to_owned()) && names.contains(&"stack.pwt.ktx2".to_owned()), "{names:?}");
+    // Options of materials would be ignored.
+    let ran = folder.run(&["build", "stack", "--max-bytes", "4KiB"]);
+    assert!(
+        ran.code == 2 && ran.stderr.contains("options of encoding and reading apply to materials"),
+        "{}",
+        ran.stderr
+    );
     // A capture by itself, as its folder and as its list.
     for input in ["stack", "stack/dirs.lp"] {
         let report = folder.run(&["build", input, "--out", "one", "--json"]).succeeded().json();
@@ -135,10 +142,17 @@ fn a_folder_stands_for_all_assets_in_it() {
 fn assets_that_fail_do_not_stop_the_others() {
     let folder = folder();
     folder.write("broken/dirs.lp", "2\na.png 0 0 1\n");
+    folder.write("images/a.png", "no image");
     for (change, code, words) in [
         (["\"stack\"", "\"broken\""], 3, "icon: broken/dirs.lp: "),
         (["\"stack\"", "\"gone\""], 4, "icon: gone: cannot read: "),
-        (["\"stack\"", "\"tile\""], 3, "icon: tile: input: found a BTF, expected an RTI capture: a folder with a list"),
+        (
+            ["\"stack\"", "\"tile\""],
+            3,
+            "icon: tile: input: found a BTF, expected an RTI capture: a folder with a list of lights (.lp), the list, a .ptm or a \
+             .rti, or list it under [btfs]",
+        ),
+        (["\"stack\"", "\"images\""], 3, "icon: images: "),
         (["degree = 2\n\n[btfs", "max_delta_e = 0.0001\n\n[btfs"], 1, "icon: max_delta_e: found a mean ΔE of "),
         (
             ["[btfs.cloth]", "[captures.icon.require]\nmax_bytes = 1000\n\n[btfs.cloth]"],
@@ -174,7 +188,7 @@ fn wrong_tables_of_assets_are_named_with_their_lines() {
         ),
         ("[captures.a]\nsource = \"a\"\nloss = 1\nenergy = 0.5", "captures.a.loss: not allowed together with energy"),
         ("[captures.a]\nsource = \"a\"\nside = 8", "line 3, key in [captures.a]: found \"side\", expected "),
-        ("[captures.a]\nsource = \"a\"\nterms = \"x\"", "unknown variant `x`"),
+        ("[captures.a]\nsource = \"a\"\nterms = \"x\"", "line 3, manifest: unknown variant `x`"),
         (
             "[environments.a]\nsource = \"a.hdr\"\nside = 9",
             "line 3, environments.a.side: found 9, expected a power of two",

@@ -249,6 +249,18 @@ fn made_of(folder: &str) -> BTreeSet<String> {
     all
 }
 
+/// Starts of files of the jobs that the makers of packs use, and that decide no byte of a pack.
+const BESIDES_PACKS: [&str; 8] = [
+    "error.rs",
+    "report/gate.rs",
+    "scene/error.rs",
+    "scene/gates.rs",
+    "scene/memory.rs",
+    "scene/run.rs",
+    "stage_clock.rs",
+    "store/",
+];
+
 /// Packs in a store belong to the encoders that made them: the key hashes the sources of everything that affects a pack.
 #[test]
 fn keys_of_the_store_change_with_every_crate_that_encodes() {
@@ -256,7 +268,7 @@ fn keys_of_the_store_change_with_every_crate_that_encodes() {
     let list = script.split_once("SOURCES").unwrap().1.split_once("];").unwrap().0;
     let hashed: Vec<&str> = list.split('"').skip(1).step_by(2).collect();
     let crates: BTreeSet<String> =
-        ["crates/encode", "crates/source", "crates/codecs/lobes", "crates/codecs/environment"]
+        ["crates/encode", "crates/source", "crates/codecs/lobes", "crates/codecs/environment", "crates/codecs/pwt"]
             .into_iter()
             .flat_map(made_of)
             .collect();
@@ -267,6 +279,20 @@ fn keys_of_the_store_change_with_every_crate_that_encodes() {
     };
     let missing: Vec<&String> = crates.iter().filter(|folder| !is_hashed(folder)).collect();
     assert!(missing.is_empty(), "{missing:?} decide packs, and crates/jobs/build.rs does not hash them");
+    let places: Vec<&str> = hashed.iter().filter_map(|place| place.strip_prefix("src/")).collect();
+    let is_hashed = |file: &str| {
+        places.iter().any(|place| file.strip_prefix(place).is_some_and(|rest| rest.is_empty() || rest.starts_with('/')))
+    };
+    let graph = Crate::new(&sources("crates/jobs")).graph();
+    let used: BTreeSet<&str> = graph
+        .iter()
+        .filter(|(file, _)| is_hashed(file))
+        .flat_map(|(_, arrows)| arrows.keys())
+        .map(String::as_str)
+        .filter(|file| !is_hashed(file) && !BESIDES_PACKS.iter().any(|start| file.starts_with(start)))
+        .collect();
+    assert!(graph.keys().filter(|file| is_hashed(file)).count() > 20);
+    assert!(used.is_empty(), "{used:?} are used by what makes packs, and crates/jobs/build.rs does not hash them");
 }
 
 #[test]

@@ -9,6 +9,7 @@ use crate::file_name::folded;
 use brdfc_core::address;
 use brdfc_readers::scan_csv::{ANGLE_COLUMNS, VECTOR_COLUMNS};
 use brdfc_source::Kind;
+use brdfc_source::btf_stack::has_views_and_lights;
 use brdfc_source::open::files_but_for;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::{OsStr, OsString};
@@ -23,14 +24,18 @@ const PACKS: &str = "ktx2";
 /// Sources that the inputs name, and files that are not sources.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Found {
-    /// Paths and addresses, without duplicates. The files of a folder or a pattern are sorted.
-    pub sources: Vec<OsString>,
+    /// Paths and addresses, without duplicates, and the kinds of assets that are no materials. The files of a folder or a pattern are
+    /// sorted.
+    pub sources: Vec<Source>,
     /// Files in folders that have no format of a material.
     pub others: Vec<PathBuf>,
 }
 
-/// Finds the sources that files, folders, patterns and addresses name. An RTI capture or a BTF in a folder is one source; any other
-/// folder stands for the measured materials and other assets in it, without packs.
+/// A path or an address, and its kind unless it is a material.
+pub type Source = (OsString, Option<AssetKind>);
+
+/// Finds the sources that files, folders, patterns and addresses name. The folder of an RTI capture or of a BTF is one source; any other
+/// folder, and one that also holds measured materials, stands for the materials and other assets in it, without packs.
 ///
 /// # Errors
 /// Returns an error if a folder cannot be listed or holds no material and no other asset, or if no file matches a pattern.
@@ -39,22 +44,31 @@ pub fn find(inputs: &[Named]) -> Result<Found, Error> {
     let mut seen = BTreeSet::new();
     for input in inputs {
         let path = input.path();
-        let several = if address_of(path.as_os_str()).is_some() {
-            vec![path.into()]
-        } else if path.is_dir() && AssetKind::at(&path).is_none() {
-            let (sources, others) = of_folder(&path)?;
-            found.others.extend(others);
-            sources
-        } else if input.is_pattern() {
-            matching(input, path.display())?
-        } else {
-            vec![path.into()]
+        let with_kind = |path: OsString| {
+            let kind = AssetKind::at(Path::new(&path));
+            (path, kind)
         };
-        for source in several {
+        let several = if address_of(path.as_os_str()).is_some() {
+            vec![(path.into(), None)]
+        } else if path.is_dir() {
+            match kind_of_whole(&path) {
+                Some(kind) => vec![(path.into(), Some(kind))],
+                None => {
+                    let (sources, others) = of_folder(&path)?;
+                    found.others.extend(others);
+                    sources
+                }
+            }
+        } else if input.is_pattern() {
+            matching(input, path.display())?.into_iter().map(with_kind).collect()
+        } else {
+            vec![with_kind(path.into())]
+        };
+        for (source, kind) in several {
             // `./a` is `a`.
             let path = Path::new(&source);
             if seen.insert(path.strip_prefix("./").unwrap_or(path).to_owned()) {
-                found.sources.push(source);
+                found.sources.push((source, kind));
             }
         }
     }
@@ -79,12 +93,34 @@ fn is_measured(path: &Path) -> bool {
     (path.is_file() || is_lost(path)) && Kind::of_name(path).is_brdf() && (!is_csv || has_values(path))
 }
 
-/// Returns true for a path in a folder that is an asset. Of images only Radiance files count: others may be photographs of materials.
-fn is_asset_among_others(path: &Path) -> bool {
-    match AssetKind::at(path) {
-        Some(AssetKind::Environment) => path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr")),
-        kind => kind.is_some(),
-    }
+/// Kind of the asset that a folder is as a whole; `None` for a folder of materials and assets. A BTF may have one subfolder for each
+/// view or light, but none of them has several of both.
+fn kind_of_whole(folder: &Path) -> Option<AssetKind> {
+    let kind = AssetKind::at(folder)?;
+    let is_other = |path: &PathBuf| {
+        let is_asset = || match kind_among_others(path) {
+            Some(AssetKind::Btf) if path.is_dir() => has_views_and_lights(path),
+            found => found.is_some(),
+        };
+        is_measured(path) || kind == AssetKind::Btf && is_asset()
+    };
+    (!entries(folder).ok()?.iter().any(is_other)).then_some(kind)
+}
+
+/// Kind of the asset at a path in a folder. Of images only Radiance files count: others may be photographs of materials.
+fn kind_among_others(path: &Path) -> Option<AssetKind> {
+    let is_radiance = || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"));
+    AssetKind::at(path).filter(|kind| *kind != AssetKind::Environment || is_radiance())
+}
+
+/// Files and folders in a folder, sorted, without hidden ones.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let io = |error: std::io::Error| Error::read(folder, &error);
+    let paths = std::fs::read_dir(folder).map_err(io)?.map(|entry| Ok(entry.map_err(io)?.path()));
+    let mut paths = paths.collect::<Result<Vec<_>, Error>>()?;
+    paths.retain(|path| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.')));
+    paths.sort();
+    Ok(paths)
 }
 
 /// Returns true if the first bytes name a column that only scans have, or cannot be read: the reader reports the
@@ -98,20 +134,18 @@ fn has_values(path: &Path) -> bool {
     read.is_err() || words.any(|word| [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].contains(&word))
 }
 
-fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
-    let io = |error: std::io::Error| Error::read(folder, &error);
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(io)? {
-        let path = entry.map_err(io)?.path();
-        let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if !hidden && (!path.is_dir() || AssetKind::at(&path).is_some()) {
-            files.push(path);
+fn of_folder(folder: &Path) -> Result<(Vec<Source>, Vec<PathBuf>), Error> {
+    let (mut sources, mut others) = (Vec::new(), Vec::new());
+    for path in entries(folder)? {
+        let kind = if path.is_dir() { kind_of_whole(&path) } else { kind_among_others(&path) };
+        match kind {
+            None if is_measured(&path) => sources.push((path.into(), None)),
+            None if path.is_dir() => {}
+            None => others.push(path),
+            kind => sources.push((path.into(), kind)),
         }
     }
-    files.sort();
-    let (measured, others): (Vec<_>, Vec<_>) =
-        files.into_iter().partition(|path| is_measured(path) || is_asset_among_others(path));
-    if measured.is_empty() {
+    if sources.is_empty() {
         let found = match others.len() {
             0 => "no files".to_owned(),
             1 => "no asset, only one other file".to_owned(),
@@ -124,7 +158,7 @@ fn of_folder(folder: &Path) -> Result<(Vec<OsString>, Vec<PathBuf>), Error> {
         );
         return Err(Error::check(format!("{}: {found}; {allowed}", folder.display())));
     }
-    Ok((measured.into_iter().map(OsString::from).collect(), others))
+    Ok((sources, others))
 }
 
 /// Finds the files that match. Errors name the pattern as `label`.
@@ -147,20 +181,24 @@ fn is_built(path: &Path) -> bool {
 }
 
 /// Creates a manifest of these sources, with one use without limits for each material. The names of the materials come from the
-/// files.
+/// files; other assets whose names differ in their extension only have it in their name.
 ///
 /// # Errors
 /// Returns an error if two sources have the same name.
-pub fn manifest_of(sources: &[OsString]) -> Result<Manifest, Error> {
+pub fn manifest_of(sources: &[Source]) -> Result<Manifest, Error> {
     let mut manifest = Manifest::default();
     let mut names = Names::default();
-    for source in sources {
-        let name = names.add(source)?;
-        let kind = if address_of(source).is_some() { None } else { AssetKind::at(Path::new(source)) };
-        if let Some(kind) = kind {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    sources.iter().for_each(|(source, kind)| *counts.entry(folded(&name_of(source, *kind))).or_default() += 1);
+    for (source, kind) in sources {
+        let name = name_of(source, *kind);
+        if let Some(kind) = *kind {
+            let whole = if counts[&folded(&name)] > 1 { names::of_whole(Path::new(source)) } else { name };
+            let name = names.add(source, whole)?;
             manifest.assets.push(Asset { name, kind, source: source.clone(), ..Asset::default() });
             continue;
         }
+        let name = names.add(source, name)?;
         let material = Material { source: source.clone(), ..Material::default() };
         manifest.materials.insert(name.clone(), material);
         manifest.uses.push(Use::of(Spanned::new(0..0, name)));
@@ -210,7 +248,9 @@ impl Manifest {
         let mut names = Names::default();
         self.materials.iter().for_each(|(name, material)| names.reserve(name, &material.source));
         for (group, material) in added {
-            let name = names.add(&material.source).map_err(|error| in_manifest(error, &group, &material))?;
+            let name = names
+                .add(&material.source, name_of(&material.source, None))
+                .map_err(|error| in_manifest(error, &group, &material))?;
             members.entry(group).or_default().push(name.clone());
             self.materials.insert(name, material);
         }
@@ -235,6 +275,16 @@ fn each_member(used: Use, members: &BTreeMap<String, Vec<String>>) -> Vec<Use> {
     names.iter().map(of).collect()
 }
 
+/// Name of a source: of a model, of a folder, or of a file without its extension.
+fn name_of(source: &OsStr, kind: Option<AssetKind>) -> String {
+    let path = Path::new(source);
+    match address_of(source).and_then(|address| address.strip_prefix(address::SYNTH_PREFIX)) {
+        Some(model) => model.split('?').next().unwrap_or_default().to_owned(),
+        None if kind.is_some() && path.is_dir() => names::of_whole(path),
+        None => names::of_file(path),
+    }
+}
+
 /// Names in use, folded, with the source of each.
 #[derive(Default)]
 struct Names(BTreeMap<String, String>);
@@ -248,12 +298,8 @@ impl Names {
     ///
     /// # Errors
     /// Returns an error if the name is invalid or in use.
-    fn add(&mut self, source: &OsStr) -> Result<String, Error> {
+    fn add(&mut self, source: &OsStr, name: String) -> Result<String, Error> {
         let label = source.display().to_string();
-        let name = match address_of(source).and_then(|address| address.strip_prefix(address::SYNTH_PREFIX)) {
-            Some(model) => model.split('?').next().unwrap_or_default().to_owned(),
-            None => names::of_file(Path::new(source)),
-        };
         names::check_name(&name, true)
             .map_err(|allowed| Error::wrong_input(&label, format!("the name {name}"), allowed))?;
         match self.0.insert(folded(&name), label.clone()) {
@@ -285,7 +331,7 @@ mod tests {
         write("e.csv", "# angles\ntheta_i,phi_i,theta_o,phi_o,r,g,b\n0,0,0,0,1,1,1\n");
         write("d.csv", "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f_r,f_g,f_b\n0,0,1,0,0,1,1,1,1\n");
         let found = find(&given(&[there.path().into()])).unwrap();
-        let names: Vec<_> = found.sources.iter().map(|source| names::of_file(Path::new(source))).collect();
+        let names: Vec<_> = found.sources.iter().map(|(source, _)| names::of_file(Path::new(source))).collect();
         assert_eq!((names, found.others.len()), (["a", "b", "c", "d", "e"].map(str::to_owned).to_vec(), 4));
         let empty = folder(&["notes.txt"]);
         let error = find(&given(&[empty.path().into()])).unwrap_err().to_string();
@@ -311,10 +357,45 @@ mod tests {
 
     #[test]
     fn collisions_are_rejected() {
-        let sources = ["x/red.brdf", "y/Red.binary"].map(OsString::from);
+        let sources = ["x/red.brdf", "y/Red.binary"].map(|source| (source.into(), None));
         let error = manifest_of(&sources).unwrap_err().to_string();
         assert!(error.starts_with("x/red.brdf and y/Red.binary: both would be named Red"), "{error}");
-        let names: Vec<_> = manifest_of(&["nul.brdf".into()]).unwrap().materials.into_keys().collect();
+        let names: Vec<_> = manifest_of(&[("nul.brdf".into(), None)]).unwrap().materials.into_keys().collect();
         assert_eq!(names, ["nul_"], "Windows cannot have such a file");
+    }
+
+    /// A folder of measured materials stays one with other assets in it.
+    #[test]
+    fn materials_next_to_assets_are_found() {
+        let there = folder(&["red.binary", "red.hdr", "coin.ptm", "coin.rti", "dirs.lp"]);
+        let image = |folder: &str, view: u32, light: u32| {
+            let folder = there.path().join(folder);
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(folder.join(format!("tl{light:03} pl000 tv{view:03} pv000.png")), "").unwrap();
+        };
+        for (view, light) in [(0, 0), (0, 30), (40, 0), (40, 30)] {
+            image("coin.v1", view, light);
+            image("coin.v2", view, light);
+            image(&format!("views/{view}"), view, light);
+        }
+        let manifest = manifest_of(&find(&given(&[there.path().into()])).unwrap().sources).unwrap();
+        assert_eq!(manifest.materials.keys().collect::<Vec<_>>(), ["red"]);
+        let names: Vec<_> = manifest.assets.iter().map(|asset| (asset.name.as_str(), asset.kind)).collect();
+        let (capture, btf) = (AssetKind::RtiCapture, AssetKind::Btf);
+        let expected = [
+            ("coin_ptm", capture),
+            ("coin_rti", capture),
+            ("coin_v1", btf),
+            ("coin_v2", btf),
+            ("dirs", capture),
+            ("red_hdr", AssetKind::Environment),
+            ("views", btf),
+        ];
+        assert_eq!(names, expected);
+        // A folder with one BTF in it stands for the BTF.
+        let outer = folder(&[]);
+        std::fs::rename(there.path().join("coin.v1"), outer.path().join("wood")).unwrap();
+        let found = find(&given(&[outer.path().into()])).unwrap().sources;
+        assert_eq!(found, [(outer.path().join("wood").into(), Some(btf))]);
     }
 }

@@ -113,7 +113,8 @@ impl Manifest {
         })?;
         shapes::check(text, tree.get_ref(), &all_keys())?;
         let manifest = Self::read(text, tree.clone()).map_err(|error| {
-            let wrong = format!("{}; expected keys and values as in docs/manifest.md", error.message());
+            let wrong = format!("{} in \"{}\"", error.message(), snippet(text, error.span()));
+            let wrong = wrong + "; expected keys and values as in docs/manifest.md";
             ManifestError::without_value(line_of(text, error.span()), "manifest", wrong)
         })?;
         manifest.check(text, tree.get_ref())?;

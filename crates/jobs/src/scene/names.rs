@@ -3,6 +3,7 @@
 use super::scene_section::ENVIRONMENT;
 use crate::file_name::{composed, folded, is_device};
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 use unicode_normalization::char::is_combining_mark;
 
@@ -46,7 +47,18 @@ pub fn same_file<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<(&'a st
 /// Derives the name of a material from its file: composes accents, replaces other characters with `_`, truncates long
 /// names, and appends `_` to reserved names.
 pub fn of_file(path: &Path) -> String {
-    let stem = composed(&path.file_stem().unwrap_or_default().to_string_lossy());
+    valid(path.file_stem())
+}
+
+/// Derives the name of a folder or, with its extension, of a file in the same way.
+pub fn of_whole(path: &Path) -> String {
+    // `.` and `..` have the names of the folders that they are.
+    let real = if path.file_name().is_none() { path.canonicalize().ok() } else { None };
+    valid(real.as_deref().unwrap_or(path).file_name())
+}
+
+fn valid(text: Option<&OsStr>) -> String {
+    let stem = composed(&text.unwrap_or_default().to_string_lossy());
     let mut name = String::new();
     for c in stem.chars().map(|c| if is_allowed(c) { c } else { '_' }) {
         if name.len() + c.len_utf8() > MAX_BYTES {

@@ -116,6 +116,35 @@ pub struct BuildContext<'a> {
     pub fail_fast: bool,
 }
 
+/// Result of one item of a build.
+enum Finished {
+    Environment(Result<MadeEnvironment, JobError>),
+    /// `None` for a material that is made as another one.
+    Material(Option<Result<Made, JobError>>),
+    Asset(Result<MadeAsset, JobError>),
+}
+
+/// Runs a job, unless the build stops at the first failure and one has failed.
+fn attempt<T>(
+    name: &str,
+    context: &BuildContext<'_>,
+    stop: &AtomicBool,
+    progress: &dyn Progress,
+    passed: impl Fn(&T) -> bool,
+    work: impl Fn(&dyn Progress) -> Result<T, JobError>,
+) -> Result<T, JobError> {
+    let part = progress.part(name);
+    if stop.load(Ordering::Relaxed) {
+        return Err(JobError::Cancelled(Cancelled));
+    }
+    let result = work(part.as_ref());
+    part.finished(result.is_ok());
+    if context.fail_fast && !result.as_ref().is_ok_and(passed) {
+        stop.store(true, Ordering::Relaxed);
+    }
+    result
+}
+
 /// Runs all jobs. A job that fails does not stop the others, unless `fail_fast` is set.
 pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> Outcomes {
     let shared = Shared::new(context.memory);
@@ -125,54 +154,37 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
     // Materials with the same source and recipe are made once.
     let same = |k: usize| plan.jobs[..k].iter().position(|job| job.is_same_work(&plan.jobs[k]));
     let twins: Vec<Option<usize>> = (0..plan.jobs.len()).map(same).collect();
-    let environment = Mutex::new(None);
-    let assets: Mutex<Vec<Option<Result<MadeAsset, JobError>>>> =
-        Mutex::new(plan.assets.iter().map(|_| None).collect());
     let last = first + plan.jobs.len();
-    let made = in_turn(last + plan.assets.len(), |number| {
-        if let Some(number) = number.checked_sub(last) {
-            let job = &plan.assets[number];
-            let part = progress.part(&job.name);
-            let result = if stop.load(Ordering::Relaxed) {
-                Err(JobError::Cancelled(Cancelled))
-            } else {
-                let result = context.asset(job, &shared, part.as_ref());
-                part.finished(result.is_ok());
-                result
-            };
-            if context.fail_fast && !result.as_ref().is_ok_and(MadeAsset::passed) {
-                stop.store(true, Ordering::Relaxed);
-            }
-            assets.lock().expect("no thread panics while it holds the lock")[number] = Some(result);
-            return None;
+    let finished = in_turn(last + plan.assets.len(), |number| {
+        if number >= last {
+            let job = &plan.assets[number - last];
+            let work = |part: &dyn Progress| context.asset(job, &shared, part);
+            return Finished::Asset(attempt(&job.name, context, &stop, progress, MadeAsset::passed, work));
         }
         let Some(number) = number.checked_sub(first) else {
-            let job = plan.environment.as_ref()?;
+            let job = plan.environment.as_ref().expect("the first item is the environment");
             let part = progress.part(ENVIRONMENT);
             let result = context.environment(job, &shared, part.as_ref());
             part.finished(result.is_ok());
-            *environment.lock().expect("no thread panics while it holds the lock") = Some(result);
-            return None;
+            return Finished::Environment(result);
         };
         if twins[number].is_some() {
-            return None;
+            return Finished::Material(None);
         }
         let job = &plan.jobs[number];
-        let part = progress.part(&job.name);
-        let result = if stop.load(Ordering::Relaxed) {
-            Err(JobError::Cancelled(Cancelled))
-        } else {
-            let result = context.material(job, &shared, part.as_ref());
-            part.finished(result.is_ok());
-            result
-        };
-        if context.fail_fast && !result.as_ref().is_ok_and(Made::passed) {
-            stop.store(true, Ordering::Relaxed);
-        }
-        Some(result)
+        let work = |part: &dyn Progress| context.material(job, &shared, part);
+        Finished::Material(Some(attempt(&job.name, context, &stop, progress, Made::passed, work)))
     });
+    let (mut made, mut assets, mut environment) = (Vec::new(), Vec::new(), None);
+    for one in finished {
+        match one {
+            Finished::Material(result) => made.push(result),
+            Finished::Asset(result) => assets.push(result),
+            Finished::Environment(result) => environment = Some(result),
+        }
+    }
     let mut materials: Vec<Outcome> = Vec::new();
-    for ((job, twin), result) in plan.jobs.iter().zip(twins).zip(made.into_iter().skip(first)) {
+    for ((job, twin), result) in plan.jobs.iter().zip(twins).zip(made) {
         let of_twin = || {
             let part = progress.part(&job.name);
             let result = match twin.and_then(|twin| materials[twin].result.as_ref().ok()) {
@@ -189,10 +201,8 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
         let result = result.unwrap_or_else(of_twin);
         materials.push(Outcome { name: job.name.clone(), result });
     }
-    let assets = assets.into_inner().expect("no thread panics while it holds the lock");
-    let asset = |(job, result): (&AssetJob, Option<_>)| Some(Outcome { name: job.name.clone(), result: result? });
-    let assets = plan.assets.iter().zip(assets).filter_map(asset).collect();
-    let environment = environment.into_inner().expect("no thread panics while it holds the lock");
+    let asset = |(job, result): (&AssetJob, _)| Outcome { name: job.name.clone(), result };
+    let assets = plan.assets.iter().zip(assets).map(asset).collect();
     Outcomes { materials, assets, environment }
 }
 
@@ -379,7 +389,7 @@ impl BuildContext<'_> {
     }
 
     /// Records the stamp of a source that was read, so that the next build need not read it.
-    fn remember(&self, path: &Path, digest: Digest, stamp: Option<Stamp>) {
+    pub(super) fn remember(&self, path: &Path, digest: Digest, stamp: Option<Stamp>) {
         if let Some(stamp) = stamp {
             self.store.remember(path, stamp, digest);
         }

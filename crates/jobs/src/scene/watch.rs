@@ -14,6 +14,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use walkdir::{DirEntry, WalkDir};
 
 /// Files that do not change during this time are complete. Editors write in several steps.
 const QUIET: Duration = Duration::from_millis(200);
@@ -24,6 +25,9 @@ pub struct Look {
     manifest: Option<PathBuf>,
     files: BTreeMap<PathBuf, Option<Stamp>>,
 }
+
+/// Number of levels below an input folder that a source in it reads.
+const LEVELS: usize = 2;
 
 /// Kind of change of a file between two looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
@@ -118,8 +122,8 @@ impl Watched {
             // The build reports errors of inputs.
             let Ok(found) = find(std::slice::from_ref(input)) else { continue };
             let matched = input.is_pattern();
-            let sources = found.sources.iter().filter(|source| address_of(source).is_none());
-            let paths = sources.flat_map(|source| files_of(Path::new(source)));
+            let sources = found.sources.iter().filter(|(source, _)| address_of(source).is_none());
+            let paths = sources.flat_map(|(source, _)| files_of(Path::new(source)));
             for path in paths.filter(|path| !(matched && self.is_own(path))) {
                 let stamp = stamp(&path);
                 files.insert(path, stamp);
@@ -150,7 +154,12 @@ impl Watched {
                 let (base, deep) = input.base();
                 add(&base, deep);
             } else if input.path().is_dir() {
-                add(&input.path(), false);
+                // New files may be in subfolders: those of an RTI capture, or of a view of a BTF.
+                let is_visible =
+                    |entry: &DirEntry| entry.depth() == 0 || !entry.file_name().to_string_lossy().starts_with('.');
+                let below = WalkDir::new(input.path()).max_depth(LEVELS).into_iter();
+                let below = below.filter_entry(|entry| entry.path().is_dir() && is_visible(entry));
+                below.flatten().for_each(|folder| add(folder.path(), false));
             }
         }
         folders
@@ -307,6 +316,20 @@ mod tests {
         assert_eq!(summary(&third, &second, folder), ["a.brdf Changed", "later.brdf New"]);
         std::fs::remove_file(folder.join("a.brdf")).unwrap();
         assert_eq!(summary(&watched.look(), &third, folder), ["a.brdf Gone"]);
+    }
+
+    #[test]
+    fn subfolders_of_an_input_folder_are_watched() {
+        let there = tempfile::tempdir().unwrap();
+        let folder = there.path();
+        std::fs::create_dir_all(folder.join("coin/deep/deeper")).unwrap();
+        std::fs::create_dir_all(folder.join(".git/objects")).unwrap();
+        let mut watched = Watched::of_inputs(&[folder.into()], Path::new("packs"));
+        let look = watched.look();
+        let followed: Vec<PathBuf> = watched.folders(&look).into_keys().collect();
+        assert_eq!(followed, [folder.to_owned(), folder.join("coin"), folder.join("coin/deep")]);
+        std::fs::write(folder.join("coin/a.lp"), "").unwrap();
+        assert_eq!(summary(&watched.look(), &look, folder), ["coin/a.lp New"]);
     }
 
     #[test]

@@ -194,13 +194,11 @@ fn regressions_of_asset(
         found.push(only(name, "limits", was, text));
     }
     if let Some(was) = before {
-        // ΔE without anything to measure is worse than any number.
+        if let (Some(was), None) = (was.delta_e, is.delta_e) {
+            found.push(only(name, NEGLIGIBLE_OF_ASSETS[0].0, &number(was), "nothing to measure"));
+        }
         let figures = |report: &AssetReport| {
-            [
-                report.delta_e.or(report.psnr.map(|_| f64::NAN)).unwrap_or(0.0),
-                report.bytes_on_gpu as f64,
-                report.fetches.map_or(0.0, f64::from),
-            ]
+            [report.delta_e.unwrap_or(0.0), report.bytes_on_gpu as f64, report.fetches.map_or(0.0, f64::from)]
         };
         grown(name, NEGLIGIBLE_OF_ASSETS.into_iter().zip(figures(was)).zip(figures(is)), tolerance, found);
     }

@@ -26,8 +26,11 @@ pub fn html(page: &Page) -> String {
             (counts(count, page.assets.len()))
             @if page.left_out > 0 { "; " (page.left_out) " others passed and are left out" }
             @if failed > 0 { ", " span.bad { (failed) " of them failed or missed a requirement" } }
-            ". ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
-             1 is just visible); ε_r is the mean relative error of values."
+            "."
+            @if count > 0 {
+                " ΔE is the mean colour difference between renderings of a ball, pack against source (CIE L*a*b*; about \
+                 1 is just visible); ε_r is the mean relative error of values."
+            }
             @if page.materials.iter().any(is_of_a_range) {
                 " * marks packs that cover only some directions; their errors are over those directions."
             }

@@ -1,7 +1,7 @@
 //! Packs of assets in the store. A source may be a folder of many files: its hash is the hash of all their names and hashes.
 
 use super::job::{AssetJob, MadeAsset, files_of};
-use super::make::make;
+use super::make::{checked_input, make};
 use super::report::AssetReport;
 use crate::scene::error::JobError;
 use crate::scene::memory::Shared;
@@ -10,9 +10,17 @@ use crate::stage_clock::StageClock;
 use crate::store::{Cached, Digest, HashingObserver, Key, Stamp};
 use brdfc_core::progress::{Progress, Stage};
 use brdfc_source::InputError;
-use brdfc_source::read::read_file_observed;
-use brdfc_source::ubo_btf;
-use std::path::PathBuf;
+use brdfc_source::read::ReadListener as _;
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// Bytes of a file that are hashed at a time.
+const PIECE: usize = 1 << 20;
+
+/// Hash of a file, and its stamp if any later change is certain to change it.
+type Hashed = (Digest, Option<Stamp>);
 
 /// Stamps of files; `None` for a file that is missing.
 fn stamps(files: &[PathBuf]) -> Vec<Option<Stamp>> {
@@ -36,17 +44,32 @@ impl BuildContext<'_> {
             return Ok(made);
         }
         let clock = StageClock::new(progress);
-        // Photographs take a multiple of their files, and all threads work on them: it runs alone.
-        let _share = shared.take(self.memory);
-        progress.check()?;
+        clock.stage(Stage::Read, 1)?;
+        checked_input(job).map_err(JobError::Asset)?;
         let files = files_of(&job.path);
+        if files.iter().any(|file| file.is_dir()) {
+            // A folder whose files do not belong together: its reader states why.
+            make(job, &clock).map_err(JobError::Asset)?;
+        }
         let before = stamps(&files);
-        let source = self.source_of(job, &files)?;
+        let hashes = self.hashes_of(&files, &clock)?;
+        for (file, (digest, stamp)) in files.iter().zip(&hashes) {
+            self.remember(file, *digest, *stamp);
+        }
+        let source = digest_of(job, &files, &hashes);
         if let Some(cached) = self.look_up_asset(job, source) {
             return Ok(of_cached(job, cached, None));
         }
+        // Photographs take a multiple of their files, and all threads work on them: it runs alone.
+        let _share = shared.take(self.memory);
+        progress.check()?;
         let (bytes, report) = rayon::scope(|_| make(job, &clock)).map_err(JobError::Asset)?;
-        if files_of(&job.path) != files || stamps(&files) != before {
+        // The stamp of a file that was written just now does not show every change.
+        let is_settled = hashes.iter().all(|(_, stamp)| stamp.is_some());
+        let is_same = files_of(&job.path) == files
+            && stamps(&files) == before
+            && (is_settled || digest_of(job, &files, &self.hashes_of(&files, &clock)?) == source);
+        if !is_same {
             let error = std::io::Error::other("its files changed while they were read");
             return Err(InputError::io(&job.path, error).into());
         }
@@ -56,10 +79,11 @@ impl BuildContext<'_> {
         Ok(of_cached(job, Cached { report, files }, Some(clock)))
     }
 
-    /// Returns an asset from the store if it was made from the current contents of its files.
+    /// Returns an asset from the store if it was made from the current contents of its files. Writes nothing.
     pub(in crate::scene) fn known_asset(&self, job: &AssetJob) -> Option<MadeAsset> {
         let read = || {
-            let source = self.source_of(job, &files_of(&job.path)).ok()?;
+            let files = files_of(&job.path);
+            let source = digest_of(job, &files, &self.hashes_of(&files, &()).ok()?);
             Some(of_cached(job, self.look_up_asset(job, source)?, None))
         };
         self.unchanged_asset(job).or_else(read)
@@ -68,9 +92,9 @@ impl BuildContext<'_> {
     /// Returns an asset from the store if the stamp of none of its files has changed.
     fn unchanged_asset(&self, job: &AssetJob) -> Option<MadeAsset> {
         let files = files_of(&job.path);
-        let known = |file: &PathBuf| Some((file.clone(), self.store.known(file)?));
-        let known: Vec<_> = files.iter().map(known).collect::<Option<_>>()?;
-        let cached = self.look_up_asset(job, digest_of(job, &known))?;
+        let known: Vec<Hashed> =
+            files.iter().map(|file| Some((self.store.known(file)?, None))).collect::<Option<_>>()?;
+        let cached = self.look_up_asset(job, digest_of(job, &files, &known))?;
         Some(of_cached(job, cached, None))
     }
 
@@ -78,32 +102,48 @@ impl BuildContext<'_> {
         self.store.look_up(&asset_key(job, source), self.placed)
     }
 
-    /// Hash of all files of a source. Files whose stamps are known are not read.
-    fn source_of(&self, job: &AssetJob, files: &[PathBuf]) -> Result<Digest, JobError> {
-        let hashed = |file: &PathBuf| {
-            if let Some(known) = self.store.known(file) {
-                return Ok((file.clone(), known));
-            }
-            let mut observer = HashingObserver::new("", u64::MAX);
-            read_file_observed(file, ubo_btf::MAX_BYTES, &mut observer)?;
-            let (digest, stamp) = observer.finish().map_err(|error| InputError::io(file, error))?;
-            if let Some(stamp) = stamp {
-                self.store.remember(file, stamp, digest);
-            }
-            Ok((file.clone(), digest))
+    /// Hashes of the files of a source. Files whose stamps are known are not read.
+    fn hashes_of(&self, files: &[PathBuf], progress: &dyn Progress) -> Result<Vec<Hashed>, JobError> {
+        let hash = |file: &PathBuf| match self.store.known(file) {
+            Some(known) => Ok((known, Stamp::of(&file.metadata().map_err(|error| InputError::io(file, error))?))),
+            None => hash_of(file, progress),
         };
-        let hashed = files.iter().map(hashed).collect::<Result<Vec<_>, InputError>>()?;
-        Ok(digest_of(job, &hashed))
+        files.par_iter().map(hash).collect()
     }
 }
 
-/// Hash of the names of files, relative to the source, and of their hashes.
-fn digest_of(job: &AssetJob, files: &[(PathBuf, Digest)]) -> Digest {
-    let name = |file: &PathBuf| file.strip_prefix(&job.path).unwrap_or(file).to_string_lossy().into_owned();
-    let named: Vec<(String, Digest)> = files
-        .iter()
-        .map(|(file, digest)| if *file == job.path { (String::new(), *digest) } else { (name(file), *digest) })
-        .collect();
+/// Hashes a file piece by piece: a BTF may exceed the memory limit.
+fn hash_of(path: &Path, progress: &dyn Progress) -> Result<Hashed, JobError> {
+    let io = |error: std::io::Error| InputError::io(path, error);
+    let mut file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    if !metadata.is_file() {
+        return Err(io(std::io::Error::other("not a file")).into());
+    }
+    let mut observer = HashingObserver::new("", u64::MAX);
+    observer.opened(&file, metadata.len()).map_err(|error| InputError::format(path, error))?;
+    let mut piece = vec![0; PIECE.min(metadata.len() as usize + 1)];
+    loop {
+        progress.check()?;
+        let count = file.read(&mut piece).map_err(io)?;
+        if count == 0 {
+            return Ok(observer.finish().map_err(io)?);
+        }
+        observer.bytes(&piece[..count]);
+    }
+}
+
+/// Hash of the names of files, relative to the folder of the source, and of their hashes.
+fn digest_of(job: &AssetJob, files: &[PathBuf], hashes: &[Hashed]) -> Digest {
+    let folder = if job.path.is_dir() { Some(job.path.as_path()) } else { job.path.parent() };
+    let name = |file: &PathBuf| {
+        if *file == job.path {
+            return String::new();
+        }
+        let within = folder.and_then(|folder| file.strip_prefix(folder).ok());
+        within.unwrap_or(file).to_string_lossy().into_owned()
+    };
+    let named: Vec<(String, Digest)> = files.iter().map(name).zip(hashes.iter().map(|hashed| hashed.0)).collect();
     Digest::of(&serde_json::to_vec(&named).expect("names and hashes are JSON"))
 }
 

@@ -72,7 +72,7 @@ impl AssetKind {
     }
 
     /// Kind of the asset that a build makes of an input; `None` for materials and for inputs that are none.
-    fn of(kind: Kind) -> Option<Self> {
+    pub(super) fn of(kind: Kind) -> Option<Self> {
         match kind {
             Kind::RtiCapture | Kind::Ptm | Kind::Rti => Some(Self::RtiCapture),
             Kind::Btf => Some(Self::Btf),

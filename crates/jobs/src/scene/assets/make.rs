@@ -10,17 +10,26 @@ use brdfc_environment::facts::EnvironmentFacts;
 use brdfc_source::environment::open_environment;
 use brdfc_source::{Input, Kind};
 
+/// The source of an asset.
+///
+/// # Errors
+/// Returns an error if it cannot be read or is of another kind.
+pub(super) fn checked_input(job: &AssetJob) -> Result<Input, Error> {
+    let input = Input::from(job.path.as_path());
+    let kind = Kind::of(&input)?;
+    if job.kind.accepts(kind) {
+        return Ok(input);
+    }
+    let heading = AssetKind::of(kind).map_or(String::new(), |kind| format!(", or list it under [{}]", kind.heading()));
+    Err(kind.found(&input, format!("{}{heading}", job.kind.inputs())).into())
+}
+
 /// Makes the pack of an asset. Returns its bytes.
 ///
 /// # Errors
 /// Returns an error if the source cannot be read or is of another kind, or if cancelled.
 pub(super) fn make(job: &AssetJob, progress: &dyn Progress) -> Result<(Vec<u8>, AssetReport), Error> {
-    let input = Input::from(job.path.as_path());
-    let kind = Kind::of(&input)?;
-    if !job.kind.accepts(kind) {
-        return Err(kind.refused(&input, job.kind.inputs()).into());
-    }
-    progress.stage(Stage::Read, 1)?;
+    let input = checked_input(job)?;
     match &job.recipe {
         AssetRecipe::Pwt(recipe, codes) => {
             let view = (job.kind == AssetKind::Btf).then_some(ViewChoice::All);
