@@ -7,9 +7,9 @@ mod pages;
 mod usage;
 
 use brdfc_testing::program::Folder;
-use brdfc_testing::repository;
 use brdfc_testing::schema::complaint;
 use serde_json::Value;
+use std::sync::OnceLock;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_brdfc-bench");
 
@@ -26,10 +26,15 @@ fn has_adapter() -> bool {
     found.as_ref().map_err(|error| println!("skipped: {error}")).is_ok()
 }
 
-/// Checks that a report conforms to `studies/schema.json` and has no other members.
+/// The schema of the studies.
+fn schema() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| folder().run(&["--schema"]).succeeded().json())
+}
+
+/// Checks that a report conforms to the schema and has no other members.
 #[track_caller]
 fn conforms(report: &Value) {
-    let text = std::fs::read_to_string(repository().join("studies/schema.json")).unwrap();
-    let complaint = complaint(&serde_json::from_str(&text).unwrap(), report);
+    let complaint = complaint(schema(), report);
     assert!(complaint.is_none(), "{}", complaint.unwrap_or_default());
 }
