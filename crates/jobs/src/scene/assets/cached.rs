@@ -19,13 +19,8 @@ use std::path::{Path, PathBuf};
 /// Bytes of a file that are hashed at a time.
 const PIECE: usize = 1 << 20;
 
-/// Hash of a file, and its stamp if any later change is certain to change it.
+/// Hash of a file; and its stamp if the file was read and any later change is certain to change the stamp.
 type Hashed = (Digest, Option<Stamp>);
-
-/// Stamps of files; `None` for a file that is missing.
-fn stamps(files: &[PathBuf]) -> Vec<Option<Stamp>> {
-    files.iter().map(|file| Stamp::of(&file.metadata().ok()?)).collect()
-}
 
 impl BuildContext<'_> {
     /// Returns an asset from the store, or makes it.
@@ -51,11 +46,8 @@ impl BuildContext<'_> {
             // A folder whose files do not belong together: its reader states why.
             make(job, &clock).map_err(JobError::Asset)?;
         }
-        let before = stamps(&files);
         let hashes = self.hashes_of(&files, &clock)?;
-        for (file, (digest, stamp)) in files.iter().zip(&hashes) {
-            self.remember(file, *digest, *stamp);
-        }
+        files.iter().zip(&hashes).for_each(|(file, (digest, stamp))| self.remember(file, *digest, *stamp));
         let source = digest_of(job, &files, &hashes);
         if let Some(cached) = self.look_up_asset(job, source) {
             return Ok(of_cached(job, cached, None));
@@ -64,12 +56,9 @@ impl BuildContext<'_> {
         let _share = shared.take(self.memory);
         progress.check()?;
         let (bytes, report) = rayon::scope(|_| make(job, &clock)).map_err(JobError::Asset)?;
-        // The stamp of a file that was written just now does not show every change.
-        let is_settled = hashes.iter().all(|(_, stamp)| stamp.is_some());
-        let is_same = files_of(&job.path) == files
-            && stamps(&files) == before
-            && (is_settled || digest_of(job, &files, &self.hashes_of(&files, &clock)?) == source);
-        if !is_same {
+        // Reads again only what was written just now, and has no stamp.
+        let again = self.hashes_of(&files, &())?;
+        if files_of(&job.path) != files || digest_of(job, &files, &again) != source {
             let error = std::io::Error::other("its files changed while they were read");
             return Err(InputError::io(&job.path, error).into());
         }
@@ -105,7 +94,7 @@ impl BuildContext<'_> {
     /// Hashes of the files of a source. Files whose stamps are known are not read.
     fn hashes_of(&self, files: &[PathBuf], progress: &dyn Progress) -> Result<Vec<Hashed>, JobError> {
         let hash = |file: &PathBuf| match self.store.known(file) {
-            Some(known) => Ok((known, Stamp::of(&file.metadata().map_err(|error| InputError::io(file, error))?))),
+            Some(known) => Ok((known, None)),
             None => hash_of(file, progress),
         };
         files.par_iter().map(hash).collect()
