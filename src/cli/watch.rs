@@ -171,7 +171,8 @@ fn tell_build(report: &Report, is_first: bool, common: Common) -> Result<bool, E
 fn result(report: &Report) -> String {
     let Some(build) = &report.build else { return "failed, the output folder is unchanged".to_owned() };
     let of_materials = build.materials.iter().map(|entry| entry.cached);
-    let of_all = of_materials.chain(build.environment.iter().map(|entry| entry.cached));
+    let of_assets = build.assets.iter().map(|entry| entry.cached);
+    let of_all = of_materials.chain(of_assets).chain(build.environment.iter().map(|entry| entry.cached));
     let count = |target| of_all.clone().filter(|cached| *cached == target).count();
     let mut text = format!("{} built, {} cached", count(Some(false)), count(Some(true)));
     if count(None) > 0 {

@@ -207,12 +207,6 @@ impl Build {
         if self.file.is_none() {
             "materials".clone_into(&mut plan.scene);
         }
-        let asks = self.options != EncodeOptions::default() || self.reading != Reading::default();
-        if asks && plan.jobs.is_empty() && !plan.assets.is_empty() {
-            let text = "options of encoding and reading apply to materials, and there are only other assets; a manifest has options of \
-                        each ('brdfc pwt' and 'brdfc environment' have them, too)";
-            return Err(Error::usage(format!("{}: {text}", self.inputs)));
-        }
         if plan.is_empty() {
             return Err(Error::check(format!(
                 "{}: nothing to build: {} and no uses; add [[uses]] with material = \"...\"",
@@ -232,6 +226,13 @@ impl Build {
         let plan = self.plan()?;
         let files = self.files_of(&plan).into_iter().map(Path::to_owned);
         Ok(files.chain(self.folders.iter().cloned()).collect())
+    }
+
+    /// Returns true if options of materials were set, or their environment, and the plan has no material.
+    pub fn ignores_options(&self, plan: &Plan) -> bool {
+        let lit = self.file.is_none() && plan.has_environment;
+        let is_set = lit || self.options != EncodeOptions::default() || self.reading != Reading::default();
+        is_set && plan.jobs.is_empty()
     }
 
     /// The files that the build reads, for an existing plan.

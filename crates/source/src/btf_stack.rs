@@ -2,14 +2,13 @@
 
 use crate::InputError;
 use crate::photograph::{CodeValues, Common, Image, common_header};
-use crate::rti_capture::is_of_macos;
 use brdfc_formats::FormatError;
 use brdfc_formats::direction_set::DirectionSet;
 use brdfc_readers::btf_stack::{StackContents, StackIndex};
 use std::path::{Path, PathBuf};
 
 /// Number of searched levels of folders: the stack's own folder and its subfolders.
-const LEVELS: usize = 2;
+pub const LEVELS: usize = 2;
 /// Maximum number of files and folders that are read.
 const MAX_ENTRIES: usize = 1 << 20;
 
@@ -149,7 +148,7 @@ fn list(
             ));
         }
         let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        if is_of_macos(Path::new(&entry.file_name())) {
+        if entry.file_name().to_string_lossy().starts_with('.') {
             continue;
         }
         // Links are not followed, so there are no loops.

@@ -127,7 +127,7 @@ impl Kind {
         let views = StackContents::new(&files).map_or(0, |contents| contents.views.len());
         let has_list = is_rti_capture(folder);
         // Other programs write files of this name, too, next to what they report on.
-        if folder.join(BUILD_REPORT).is_file() && (has_packs || views == 0 && !has_list) {
+        if folder.join(BUILD_REPORT).is_file() && !has_list && (has_packs || views == 0) {
             return Ok(Self::Build);
         }
         // The folder of a flat BTF may also hold renderings.
@@ -265,6 +265,8 @@ mod tests {
         write(BUILD_REPORT);
         assert_eq!([of(path), of(&path.join(BUILD_REPORT))], [Kind::RtiCapture, Kind::Build]);
         write("a.ktx2");
+        assert_eq!(of(path), Kind::RtiCapture);
+        std::fs::remove_file(path.join("a.lp")).unwrap();
         assert_eq!(of(path), Kind::Build);
     }
 

@@ -37,6 +37,11 @@ pub(super) fn run(arguments: &Arguments, common: Common) -> Result<(), Error> {
     let build = arguments.build()?;
     tell_left_out(&build, common);
     let plan = &plan(&build)?;
+    if build.ignores_options(plan) {
+        let text = "options of encoding and reading, and --environment, apply to materials, and this build has none; other assets have \
+                    their options in a manifest, and as flags of 'brdfc pwt' and 'brdfc environment'";
+        return Err(Error::usage(text));
+    }
     if arguments.dry_run {
         let report = build.predict(plan, arguments.explain);
         return print(&json_or(common, &report, plan_text::text(plan, &report, out)));
@@ -100,12 +105,11 @@ fn check_side_outputs(arguments: &Arguments, inputs: &[&Path]) -> Result<(), Err
     arguments.depfile.as_deref().map_or(Ok(()), refuse_missing_folder)
 }
 
-/// Prints the files of the given folders that the build skips.
+/// Prints what the build skips in the given folders.
 pub(super) fn tell_left_out(build: &Build, common: Common) {
     let names: Vec<String> = build.left_out().iter().map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
-        let (count, names) = (counted(names.len(), "file"), join_truncated(&names, MAX_NAMED_FILES));
-        remark(common, &format!("skipped, not assets: {count} ({names})"));
+        remark(common, &format!("skipped: {}", join_truncated(&names, MAX_NAMED_FILES)));
     }
 }
 

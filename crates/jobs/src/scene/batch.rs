@@ -1,6 +1,6 @@
 //! Batch builds: materials from folders, lists of files, and patterns.
 
-use super::assets::{Asset, AssetKind};
+use super::assets::{Asset, AssetKind, files_of};
 use super::manifest::{Manifest, Material, Use};
 use super::names;
 use super::patterns::{Named, is_lost};
@@ -27,7 +27,7 @@ pub struct Found {
     /// Paths and addresses, without duplicates, and the kinds of assets that are no materials. The files of a folder or a pattern are
     /// sorted.
     pub sources: Vec<Source>,
-    /// Files in folders that have no format of a material.
+    /// Files and folders in the given folders that are not built.
     pub others: Vec<PathBuf>,
 }
 
@@ -51,14 +51,9 @@ pub fn find(inputs: &[Named]) -> Result<Found, Error> {
         let several = if address_of(path.as_os_str()).is_some() {
             vec![(path.into(), None)]
         } else if path.is_dir() {
-            match kind_of_whole(&path) {
-                Some(kind) => vec![(path.into(), Some(kind))],
-                None => {
-                    let (sources, others) = of_folder(&path)?;
-                    found.others.extend(others);
-                    sources
-                }
-            }
+            let (sources, others) = of_folder(&path)?;
+            found.others.extend(others);
+            sources
         } else if input.is_pattern() {
             matching(input, path.display())?.into_iter().map(with_kind).collect()
         } else {
@@ -93,24 +88,21 @@ fn is_measured(path: &Path) -> bool {
     (path.is_file() || is_lost(path)) && Kind::of_name(path).is_brdf() && (!is_csv || has_values(path))
 }
 
-/// Kind of the asset that a folder is as a whole; `None` for a folder of materials and assets. A BTF may have one subfolder for each
-/// view or light, but none of them has several of both.
-fn kind_of_whole(folder: &Path) -> Option<AssetKind> {
+/// Kind of the asset that a folder is as a whole; `None` for a folder of materials and assets, with these `entries`. The subfolders of a
+/// BTF are those of its views or of its lights; one with several views and several lights is a BTF itself.
+fn kind_of_whole(folder: &Path, entries: &[PathBuf]) -> Option<AssetKind> {
     let kind = AssetKind::at(folder)?;
-    let is_other = |path: &PathBuf| {
-        let is_asset = || match kind_among_others(path) {
-            Some(AssetKind::Btf) if path.is_dir() => has_views_and_lights(path),
-            found => found.is_some(),
-        };
-        is_measured(path) || kind == AssetKind::Btf && is_asset()
-    };
-    (!entries(folder).ok()?.iter().any(is_other)).then_some(kind)
+    let is_btf = |path: &Path| kind == AssetKind::Btf && path.is_dir() && has_views_and_lights(path);
+    (!entries.iter().any(|path| is_measured(path) || is_btf(path))).then_some(kind)
 }
 
 /// Kind of the asset at a path in a folder. Of images only Radiance files count: others may be photographs of materials.
 fn kind_among_others(path: &Path) -> Option<AssetKind> {
     let is_radiance = || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"));
-    AssetKind::at(path).filter(|kind| *kind != AssetKind::Environment || is_radiance())
+    // A read from a pipe may block forever.
+    let is_readable = path.is_dir() || path.is_file() || is_lost(path);
+    let kind = if is_readable { AssetKind::at(path) } else { None };
+    kind.filter(|kind| *kind != AssetKind::Environment || is_radiance())
 }
 
 /// Files and folders in a folder, sorted, without hidden ones.
@@ -134,15 +126,27 @@ fn has_values(path: &Path) -> bool {
     read.is_err() || words.any(|word| [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].contains(&word))
 }
 
+/// The sources that a folder stands for, and what is in it besides them.
 fn of_folder(folder: &Path) -> Result<(Vec<Source>, Vec<PathBuf>), Error> {
+    let entries = entries(folder)?;
+    if let Some(kind) = kind_of_whole(folder, &entries) {
+        let own = files_of(folder);
+        // The subfolders of a BTF are those of its views or lights.
+        let is_other = |path: &PathBuf| {
+            !own.contains(path) && kind_among_others(path).is_some_and(|found| found != kind || !path.is_dir())
+        };
+        return Ok((vec![(folder.into(), Some(kind))], entries.into_iter().filter(is_other).collect()));
+    }
     let (mut sources, mut others) = (Vec::new(), Vec::new());
-    for path in entries(folder)? {
-        let kind = if path.is_dir() { kind_of_whole(&path) } else { kind_among_others(&path) };
-        match kind {
+    for path in entries {
+        match kind_among_others(&path) {
+            Some(kind) => sources.push((path.into(), Some(kind))),
             None if is_measured(&path) => sources.push((path.into(), None)),
-            None if path.is_dir() => {}
+            None if path.is_dir() => {
+                // Without a look at its files nobody knows what it is.
+                std::fs::read_dir(&path).map_err(|error| Error::read(&path, &error))?;
+            }
             None => others.push(path),
-            kind => sources.push((path.into(), kind)),
         }
     }
     if sources.is_empty() {
@@ -392,10 +396,25 @@ mod tests {
             ("views", btf),
         ];
         assert_eq!(names, expected);
+        // Files of other kinds next to photographs do not hide them, nor does a list next to a BTF.
+        let outer = folder(&["lights.lp", "red.binary"]);
+        for other in ["coin.v1/sky.hdr", "coin.v1/notes.lp", "coin.v1/lights.dat"] {
+            std::fs::write(there.path().join(other), "").unwrap();
+        }
+        let sources = |folder: &Path| find(&given(&[folder.into()])).unwrap();
+        std::fs::rename(there.path().join("coin.v1"), outer.path().join("coin.v1")).unwrap();
+        let in_outer = |name: &str| OsString::from(outer.path().join(name));
+        let expected =
+            [(in_outer("coin.v1"), Some(btf)), (in_outer("lights.lp"), Some(capture)), (in_outer("red.binary"), None)];
+        assert_eq!(sources(outer.path()).sources, expected);
+        std::fs::remove_file(outer.path().join("coin.v1/lights.dat")).unwrap();
+        let alone = sources(&outer.path().join("coin.v1"));
+        assert_eq!(alone.sources, expected[..1]);
+        let names: Vec<_> = alone.others.iter().filter_map(|path| path.file_name()).collect();
+        assert_eq!(names, ["notes.lp", "sky.hdr"]);
         // A folder with one BTF in it stands for the BTF.
         let outer = folder(&[]);
-        std::fs::rename(there.path().join("coin.v1"), outer.path().join("wood")).unwrap();
-        let found = find(&given(&[outer.path().into()])).unwrap().sources;
-        assert_eq!(found, [(outer.path().join("wood").into(), Some(btf))]);
+        std::fs::rename(there.path().join("coin.v2"), outer.path().join("wood")).unwrap();
+        assert_eq!(sources(outer.path()).sources, [(outer.path().join("wood").into(), Some(btf))]);
     }
 }

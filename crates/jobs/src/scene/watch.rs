@@ -8,6 +8,7 @@ use super::patterns::Named;
 use crate::file_events::{FileEvents, Folders, Waker};
 use crate::store::Stamp;
 use crate::write::or_here;
+use brdfc_source::btf_stack::LEVELS;
 use brdfc_source::read::{MAX_TEXT_BYTES, read_file};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
@@ -25,9 +26,6 @@ pub struct Look {
     manifest: Option<PathBuf>,
     files: BTreeMap<PathBuf, Option<Stamp>>,
 }
-
-/// Number of levels below an input folder that a source in it reads.
-const LEVELS: usize = 2;
 
 /// Kind of change of a file between two looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]

@@ -68,7 +68,7 @@ impl BuildContext<'_> {
         Ok(of_cached(job, Cached { report, files }, Some(clock)))
     }
 
-    /// Returns an asset from the store if it was made from the current contents of its files. Writes nothing.
+    /// Returns an asset from the store if it was made from the current contents of its files.
     pub(in crate::scene) fn known_asset(&self, job: &AssetJob) -> Option<MadeAsset> {
         let read = || {
             let files = files_of(&job.path);
@@ -104,11 +104,11 @@ impl BuildContext<'_> {
 /// Hashes a file piece by piece: a BTF may exceed the memory limit.
 fn hash_of(path: &Path, progress: &dyn Progress) -> Result<Hashed, JobError> {
     let io = |error: std::io::Error| InputError::io(path, error);
-    let mut file = File::open(path).map_err(io)?;
-    let metadata = file.metadata().map_err(io)?;
+    let metadata = path.metadata().map_err(io)?;
     if !metadata.is_file() {
         return Err(io(std::io::Error::other("not a file")).into());
     }
+    let mut file = File::open(path).map_err(io)?;
     let mut observer = HashingObserver::new("", u64::MAX);
     observer.opened(&file, metadata.len()).map_err(|error| InputError::format(path, error))?;
     let mut piece = vec![0; PIECE.min(metadata.len() as usize + 1)];
