@@ -143,7 +143,7 @@ fn of_folder(folder: &Path) -> Result<(Vec<Source>, Vec<PathBuf>), Error> {
             Some(kind) => sources.push((path.into(), Some(kind))),
             None if is_measured(&path) => sources.push((path.into(), None)),
             None if path.is_dir() => {
-                // Without a look at its files nobody knows what it is.
+                // Its files decide whether it is an asset.
                 std::fs::read_dir(&path).map_err(|error| Error::read(&path, &error))?;
             }
             None => others.push(path),
@@ -411,7 +411,7 @@ mod tests {
         let alone = sources(&outer.path().join("coin.v1"));
         assert_eq!(alone.sources, expected[..1]);
         let names: Vec<_> = alone.others.iter().filter_map(|path| path.file_name()).collect();
-        assert_eq!(names, ["notes.lp", "sky.hdr"]);
+        assert_eq!(names, ["sky.hdr"]);
         // A folder with one BTF in it stands for the BTF.
         let outer = folder(&[]);
         std::fs::rename(there.path().join("coin.v2"), outer.path().join("wood")).unwrap();
