@@ -120,7 +120,7 @@ pub struct BuildContext<'a> {
 enum Finished {
     Environment(Result<MadeEnvironment, JobError>),
     /// `None` for a material that is made as another one.
-    Material(Option<Result<Made, JobError>>),
+    Material(Option<Box<Result<Made, JobError>>>),
     Asset(Result<MadeAsset, JobError>),
 }
 
@@ -173,12 +173,12 @@ pub fn run(plan: &Plan, context: &BuildContext<'_>, progress: &dyn Progress) -> 
         }
         let job = &plan.jobs[number];
         let work = |part: &dyn Progress| context.material(job, &shared, part);
-        Finished::Material(Some(attempt(&job.name, context, &stop, progress, Made::passed, work)))
+        Finished::Material(Some(Box::new(attempt(&job.name, context, &stop, progress, Made::passed, work))))
     });
     let (mut made, mut assets, mut environment) = (Vec::new(), Vec::new(), None);
     for one in finished {
         match one {
-            Finished::Material(result) => made.push(result),
+            Finished::Material(result) => made.push(result.map(|result| *result)),
             Finished::Asset(result) => assets.push(result),
             Finished::Environment(result) => environment = Some(result),
         }
