@@ -32,10 +32,10 @@ pub struct Found {
 }
 
 /// A path or an address, and its kind unless it is a material.
-pub type Source = (OsString, Option<AssetKind>);
+type Source = (OsString, Option<AssetKind>);
 
 /// Finds the sources that files, folders, patterns and addresses name. The folder of an RTI capture or of a BTF is one source; any other
-/// folder, and one that also holds measured materials, stands for the materials and other assets in it, without packs.
+/// folder, and one that also holds measured materials, names the materials and other assets in it, without packs.
 ///
 /// # Errors
 /// Returns an error if a folder cannot be listed or holds no material and no other asset, or if no file matches a pattern.
@@ -126,14 +126,15 @@ fn has_values(path: &Path) -> bool {
     read.is_err() || words.any(|word| [ANGLE_COLUMNS[0], VECTOR_COLUMNS[6]].contains(&word))
 }
 
-/// The sources that a folder stands for, and what is in it besides them.
+/// The sources that a folder names, and what is in it besides them.
 fn of_folder(folder: &Path) -> Result<(Vec<Source>, Vec<PathBuf>), Error> {
     let entries = entries(folder)?;
     if let Some(kind) = kind_of_whole(folder, &entries) {
         let own = files_of(folder);
         // The subfolders of a BTF are those of its views or lights.
         let is_other = |path: &PathBuf| {
-            !own.contains(path) && kind_among_others(path).is_some_and(|found| found != kind || !path.is_dir())
+            own.binary_search(path).is_err()
+                && kind_among_others(path).is_some_and(|found| found != kind || !path.is_dir())
         };
         return Ok((vec![(folder.into(), Some(kind))], entries.into_iter().filter(is_other).collect()));
     }
@@ -149,6 +150,10 @@ fn of_folder(folder: &Path) -> Result<(Vec<Source>, Vec<PathBuf>), Error> {
             None => others.push(path),
         }
     }
+    // Photographs of a list are not left out.
+    let lists = sources.iter().filter(|(source, kind)| kind.is_some() && !Path::new(source).is_dir());
+    let own: BTreeSet<PathBuf> = lists.flat_map(|(source, _)| files_of(Path::new(source))).collect();
+    others.retain(|path| !own.contains(path));
     if sources.is_empty() {
         let found = match others.len() {
             0 => "no files".to_owned(),
@@ -192,10 +197,10 @@ fn is_built(path: &Path) -> bool {
 pub fn manifest_of(sources: &[Source]) -> Result<Manifest, Error> {
     let mut manifest = Manifest::default();
     let mut names = Names::default();
+    let short: Vec<String> = sources.iter().map(|(source, kind)| name_of(source, *kind)).collect();
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    sources.iter().for_each(|(source, kind)| *counts.entry(folded(&name_of(source, *kind))).or_default() += 1);
-    for (source, kind) in sources {
-        let name = name_of(source, *kind);
+    short.iter().for_each(|name| *counts.entry(folded(name)).or_default() += 1);
+    for ((source, kind), name) in sources.iter().zip(short) {
         if let Some(kind) = *kind {
             let whole = if counts[&folded(&name)] > 1 { names::of_whole(Path::new(source)) } else { name };
             let name = names.add(source, whole)?;
@@ -371,7 +376,7 @@ mod tests {
     /// A folder of measured materials stays one with other assets in it.
     #[test]
     fn materials_next_to_assets_are_found() {
-        let there = folder(&["red.binary", "red.hdr", "coin.ptm", "coin.rti", "dirs.lp"]);
+        let there = folder(&["red.binary", "red.hdr", "coin.ptm", "coin.rti", "notes.txt"]);
         let image = |folder: &str, view: u32, light: u32| {
             let folder = there.path().join(folder);
             std::fs::create_dir_all(&folder).unwrap();
@@ -382,7 +387,11 @@ mod tests {
             image("coin.v2", view, light);
             image(&format!("views/{view}"), view, light);
         }
-        let manifest = manifest_of(&find(&given(&[there.path().into()])).unwrap().sources).unwrap();
+        std::fs::write(there.path().join("dirs.lp"), "1\na.jpg 0 0 1\n").unwrap();
+        std::fs::write(there.path().join("a.jpg"), "").unwrap();
+        let found = find(&given(&[there.path().into()])).unwrap();
+        assert_eq!(found.others, [there.path().join("notes.txt")], "photographs of a list are not left out");
+        let manifest = manifest_of(&found.sources).unwrap();
         assert_eq!(manifest.materials.keys().collect::<Vec<_>>(), ["red"]);
         let names: Vec<_> = manifest.assets.iter().map(|asset| (asset.name.as_str(), asset.kind)).collect();
         let (capture, btf) = (AssetKind::RtiCapture, AssetKind::Btf);
@@ -412,7 +421,7 @@ mod tests {
         assert_eq!(alone.sources, expected[..1]);
         let names: Vec<_> = alone.others.iter().filter_map(|path| path.file_name()).collect();
         assert_eq!(names, ["sky.hdr"]);
-        // A folder with one BTF in it stands for the BTF.
+        // A folder with one BTF in it names the BTF.
         let outer = folder(&[]);
         std::fs::rename(there.path().join("coin.v2"), outer.path().join("wood")).unwrap();
         assert_eq!(sources(outer.path()).sources, [(outer.path().join("wood").into(), Some(btf))]);

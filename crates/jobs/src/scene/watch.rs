@@ -117,12 +117,17 @@ impl Watched {
             files.insert(manifest.clone(), stamp);
         }
         for input in &self.named {
-            // The build reports errors of inputs.
-            let Ok(found) = find(std::slice::from_ref(input)) else { continue };
             let matched = input.is_pattern();
-            let sources = found.sources.iter().filter(|(source, _)| address_of(source).is_none());
-            let paths = sources.flat_map(|(source, _)| files_of(Path::new(source)));
-            for path in paths.filter(|path| !(matched && self.is_own(path))) {
+            let paths: Vec<PathBuf> = if self.manifest.is_some() && input.path().is_dir() {
+                // A folder in a manifest is one asset, even with other files in it.
+                files_of(&input.path())
+            } else {
+                // The build reports errors of inputs.
+                let Ok(found) = find(std::slice::from_ref(input)) else { continue };
+                let sources = found.sources.iter().filter(|(source, _)| address_of(source).is_none());
+                sources.flat_map(|(source, _)| files_of(Path::new(source))).collect()
+            };
+            for path in paths.into_iter().filter(|path| !(matched && self.is_own(path))) {
                 let stamp = stamp(&path);
                 files.insert(path, stamp);
             }
@@ -328,6 +333,20 @@ mod tests {
         assert_eq!(followed, [folder.to_owned(), folder.join("coin"), folder.join("coin/deep")]);
         std::fs::write(folder.join("coin/a.lp"), "").unwrap();
         assert_eq!(summary(&watched.look(), &look, folder), ["coin/a.lp New"]);
+    }
+
+    #[test]
+    fn a_folder_of_a_manifest_is_one_asset() {
+        let there = tempfile::tempdir().unwrap();
+        let (folder, manifest) = (there.path(), there.path().join("scene.toml"));
+        let write = |name: &str| std::fs::write(folder.join(name), "").unwrap();
+        std::fs::write(&manifest, "[btfs.a]\nsource='a'\n").unwrap();
+        std::fs::create_dir(folder.join("a")).unwrap();
+        ["a/tl000 pl000 tv000 pv000.png", "a/scan.dat"].into_iter().for_each(write);
+        let mut watched = Watched::of_manifest(&manifest, Path::new("packs"));
+        let first = watched.look();
+        write("a/tl030 pl000 tv000 pv000.png");
+        assert_eq!(summary(&watched.look(), &first, folder), ["a/tl030 pl000 tv000 pv000.png New"]);
     }
 
     #[test]

@@ -194,13 +194,17 @@ fn regressions_of_asset(
         found.push(only(name, "limits", was, text));
     }
     if let Some(was) = before {
-        if let (Some(was), None) = (was.delta_e, is.delta_e) {
-            found.push(only(name, NEGLIGIBLE_OF_ASSETS[0].0, &number(was), "nothing to measure"));
+        if was.delta_e.is_some() != is.delta_e.is_some() {
+            let [was, is] = [was, is].map(|report| report.delta_e.map_or("nothing to measure".to_owned(), number));
+            found.push(only(name, NEGLIGIBLE_OF_ASSETS[0].0, &was, &is));
         }
-        let figures = |report: &AssetReport| {
-            [report.delta_e.unwrap_or(0.0), report.bytes_on_gpu as f64, report.fetches.map_or(0.0, f64::from)]
+        let (was_delta_e, delta_e) = was.delta_e.zip(is.delta_e).unwrap_or_default();
+        let figures = |report: &AssetReport, delta_e| {
+            [delta_e, report.bytes_on_gpu as f64, report.fetches.map_or(0.0, f64::from)]
         };
-        grown(name, NEGLIGIBLE_OF_ASSETS.into_iter().zip(figures(was)).zip(figures(is)), tolerance, found);
+        let values = figures(was, was_delta_e).into_iter().zip(figures(is, delta_e));
+        let all = NEGLIGIBLE_OF_ASSETS.into_iter().zip(values).map(|(figure, (was, is))| ((figure, was), is));
+        grown(name, all, tolerance, found);
     }
 }
 

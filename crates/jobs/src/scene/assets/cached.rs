@@ -40,11 +40,11 @@ impl BuildContext<'_> {
         }
         let clock = StageClock::new(progress);
         clock.stage(Stage::Read, 1)?;
-        checked_input(job).map_err(JobError::Asset)?;
+        let input = checked_input(job).map_err(JobError::Asset)?;
         let files = files_of(&job.path);
         if files.iter().any(|file| file.is_dir()) {
             // A folder whose files do not belong together: its reader states why.
-            make(job, &clock).map_err(JobError::Asset)?;
+            make(job, &input, &clock).map_err(JobError::Asset)?;
         }
         let hashes = self.hashes_of(&files, &clock)?;
         files.iter().zip(&hashes).for_each(|(file, (digest, stamp))| self.remember(file, *digest, *stamp));
@@ -55,8 +55,8 @@ impl BuildContext<'_> {
         // Photographs take a multiple of their files, and all threads work on them: it runs alone.
         let _share = shared.take(self.memory);
         progress.check()?;
-        let (bytes, report) = rayon::scope(|_| make(job, &clock)).map_err(JobError::Asset)?;
-        // Reads again only what was written just now, and has no stamp.
+        let (bytes, report) = rayon::scope(|_| make(job, &input, &clock)).map_err(JobError::Asset)?;
+        // Files whose stamps are known are not read again: those written just now are, and all with `--no-cache`.
         let again = self.hashes_of(&files, &())?;
         if files_of(&job.path) != files || digest_of(job, &files, &again) != source {
             let error = std::io::Error::other("its files changed while they were read");

@@ -24,23 +24,22 @@ pub(super) fn checked_input(job: &AssetJob) -> Result<Input, Error> {
     Err(kind.found(&input, format!("{}{heading}", job.kind.inputs())).into())
 }
 
-/// Makes the pack of an asset. Returns its bytes.
+/// Makes the pack of an asset from its [`checked_input`]. Returns its bytes.
 ///
 /// # Errors
-/// Returns an error if the source cannot be read or is of another kind, or if cancelled.
-pub(super) fn make(job: &AssetJob, progress: &dyn Progress) -> Result<(Vec<u8>, AssetReport), Error> {
-    let input = checked_input(job)?;
+/// Returns an error if the source cannot be read, or if cancelled.
+pub(super) fn make(job: &AssetJob, input: &Input, progress: &dyn Progress) -> Result<(Vec<u8>, AssetReport), Error> {
     match &job.recipe {
         AssetRecipe::Pwt(recipe, codes) => {
             let view = (job.kind == AssetKind::Btf).then_some(ViewChoice::All);
-            let photographs = LightInput::open_as(&input, view, *codes)?;
+            let photographs = LightInput::open_as(input, view, *codes)?;
             let mut notes: Vec<String> =
                 photographs.colour().map(|colour| format!("colour: {colour}")).into_iter().collect();
             notes.extend(photographs.notes());
             let recipe = photographs.basis().map_or(*recipe, |basis| recipe_of_map(*recipe, basis));
             let samples = photographs.into_samples();
             progress.stage(Stage::Fit, 1)?;
-            let made = make_tree(&samples, &recipe, HoldOut::default()).map_err(|error| error.prefixed(&input))?;
+            let made = make_tree(&samples, &recipe, HoldOut::default()).map_err(|error| error.prefixed(input))?;
             let errors = &made.encoded.errors;
             let nothing = errors.nothing_shown();
             notes.extend(nothing.iter().map(|nothing| format!("the errors mean nothing: {nothing}")));
@@ -60,10 +59,10 @@ pub(super) fn make(job: &AssetJob, progress: &dyn Progress) -> Result<(Vec<u8>, 
             Ok((bytes, report))
         }
         AssetRecipe::Environment(side) => {
-            let file = open_environment(&input)?;
+            let file = open_environment(input)?;
             let notes = file.conversions().to_vec();
             let surroundings = Surroundings::from(file);
-            let pack = surroundings.prefilter(*side, progress).map_err(|error| error.prefixed(&input))?;
+            let pack = surroundings.prefilter(*side, progress).map_err(|error| error.prefixed(input))?;
             let (bytes, facts) = (pack.to_bytes(true), EnvironmentFacts::new(&pack));
             let report = AssetReport {
                 size: [facts.side; 2],
